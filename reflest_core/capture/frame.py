@@ -1,0 +1,34 @@
+"""One RGB-D view with its pose: what every capture yields and fusion takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.capture.camera import CameraIntrinsics
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A matched, decoded and checked frame.
+
+    ``rgb``: (H, W, 3) uint8, 8-bit sRGB. ``depth``: (H, W) float32, Z along the optical axis in
+    metres, registered to ``rgb``; 0 where unknown. ``T_world_camera``: (4, 4) float64, camera
+    optical frame (z forward, x right, y down) to world. ``mask``: (H, W) bool, True on the scanned
+    object, or None where nobody published one.
+    """
+
+    stamp_ns: int
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    T_world_camera: NDArray[np.float64]
+    intrinsics: CameraIntrinsics
+    mask: NDArray[np.bool_] | None = None
+    frame_id: str = ""
+
+    @property
+    def camera_centre(self) -> NDArray[np.float64]:
+        """The camera centre in the world frame, (3,) metres."""
+        return self.T_world_camera[:3, 3]

@@ -1,0 +1,48 @@
+"""Why a frame was not used: every refusal has a cause that is counted and a sentence that helps."""
+
+from __future__ import annotations
+
+import enum
+from collections import Counter
+
+from reflest_core.errors import ReflestError
+
+
+class RefusalCause(enum.Enum):
+    """The causes by which refused frames and messages are counted."""
+
+    ENCODING = "encoding"
+    SIZE = "size"
+    TRUNCATED = "truncated"
+    CAMERA_INFO_MISSING = "camera_info_missing"
+    CAMERA_INFO_INVALID = "camera_info_invalid"
+    POSE_INVALID = "pose_invalid"
+    POSE_MISSING = "pose_missing"
+    DEPTH_MISSING = "depth_missing"
+    DEPTH_EMPTY = "depth_empty"
+    TIME_BACKWARDS = "time_backwards"
+    NO_OVERLAP = "no_overlap"
+    QUEUE_FULL = "queue_full"
+
+
+class FrameRefused(ReflestError):
+    """A frame or message was refused; fusion's state is as it was before."""
+
+    def __init__(self, cause: RefusalCause, message: str) -> None:
+        super().__init__(message)
+        self.cause = cause
+
+
+class RefusalLog:
+    """Counts refusals by cause and keeps the first sentence of each."""
+
+    def __init__(self) -> None:
+        self.counts: Counter[RefusalCause] = Counter()
+        self.first_message: dict[RefusalCause, str] = {}
+
+    def add(self, refusal: FrameRefused) -> bool:
+        """Count ``refusal``; return True the first time that its cause occurs."""
+        self.counts[refusal.cause] += 1
+        is_first = refusal.cause not in self.first_message
+        self.first_message.setdefault(refusal.cause, str(refusal))
+        return is_first

@@ -1,0 +1,5 @@
+"""The root of every error that a user can cause and mend."""
+
+
+class ReflestError(Exception):
+    """Says in one sentence what was wrong and what to turn; the CLI prints it without a traceback."""

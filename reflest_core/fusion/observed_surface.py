@@ -1,0 +1,51 @@
+"""A frozen copy of what has been seen: the one type that features are built from.
+
+Live scans and SynBRDF scenes both arrive here, so that training and estimation share every line
+of feature code.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class ObservedSurface:
+    """V surface voxels, O observations grouped by voxel (CSR), W views.
+
+    ``positions``, ``normals``: (V, 3) float32, world frame, metres / unit length.
+    ``offsets``: (V + 1,) int64; voxel k owns observations ``offsets[k]:offsets[k + 1]``.
+    ``colours``: (O, 3) uint8, 8-bit sRGB. ``view_indices``: (O,) uint16 into the view arrays.
+    ``view_centres``: (W, 3) float32, camera centres in the world frame, metres.
+    ``view_foreground``, ``view_background``: (W, 3) float32, mean 8-bit colour F and B in
+    [0, 255]; NaN where a view has no such pixels.
+    """
+
+    positions: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    offsets: NDArray[np.int64]
+    colours: NDArray[np.uint8]
+    view_indices: NDArray[np.uint16]
+    view_centres: NDArray[np.float32]
+    view_foreground: NDArray[np.float32]
+    view_background: NDArray[np.float32]
+
+    @property
+    def voxel_count(self) -> int:
+        """V."""
+        return len(self.positions)
+
+    @property
+    def observation_counts(self) -> NDArray[np.int64]:
+        """(V,) observations of each voxel."""
+        return np.diff(self.offsets)
+
+    def view_directions(self) -> NDArray[np.float32]:
+        """(O, 3) float32: ``omega_o`` of every observation, unit, from voxel to camera centre."""
+        voxel_of = np.repeat(np.arange(self.voxel_count), self.observation_counts)
+        towards = self.view_centres[self.view_indices] - self.positions[voxel_of]
+        unit: NDArray[np.float32] = towards / np.linalg.norm(towards, axis=1, keepdims=True)
+        return unit

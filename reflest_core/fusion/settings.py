@@ -1,0 +1,76 @@
+"""What a user can turn in fusion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from reflest_core.parameter import check_parameters, parameter
+
+
+@dataclass(frozen=True)
+class FusionSettings:
+    """The TSDF volume and the voxel observation store."""
+
+    voxel_size: float = parameter(
+        0.005, "Edge of a TSDF voxel.", unit="m", minimum=0.001, maximum=0.1
+    )
+    max_depth: float = parameter(
+        3.0, "Depth beyond this is background.", unit="m", minimum=0.1, maximum=20.0
+    )
+    memory_budget_mb: float = parameter(
+        256.0, "Hard limit on volume and store together.", unit="MB", minimum=16.0, maximum=65536.0
+    )
+    observations_per_voxel: int = parameter(
+        64, "Views kept for each voxel, spread over directions.", minimum=5, maximum=255
+    )
+    view_spacing: float = parameter(
+        2.0,
+        "A frame seen from closer than this angle to a stored view (about the scene) adds no view.",
+        unit="degrees", minimum=0.0, maximum=45.0,
+    )  # fmt: skip
+    max_grazing_angle: float = parameter(
+        75.0, "A view further from the normal than this does not see a voxel.",
+        unit="degrees", minimum=10.0, maximum=89.0,
+    )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        check_parameters(self)
+
+
+@dataclass(frozen=True)
+class RegionSettings:
+    """The region of interest in the world frame: what lies inside is the scanned object."""
+
+    shape: str = parameter(
+        "none", "Region of interest: none, box (axis-aligned) or sphere.",
+        choices=("none", "box", "sphere"),
+    )  # fmt: skip
+    centre: tuple[float, float, float] = parameter(
+        (0.0, 0.0, 0.0), "Centre of the region in the world frame.", unit="m"
+    )
+    size: tuple[float, float, float] = parameter(
+        (1.0, 1.0, 1.0), "Edges of the box; a sphere uses the first value as its diameter.",
+        unit="m", minimum=0.0,
+    )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        check_parameters(self)
+
+
+@dataclass(frozen=True)
+class KeyframeSettings:
+    """When an estimate is made: movement or time since the last keyframe."""
+
+    translation: float = parameter(
+        0.15, "Camera movement that makes a keyframe.", unit="m", minimum=0.001, maximum=100.0
+    )
+    rotation: float = parameter(
+        15.0, "Camera rotation that makes a keyframe.", unit="degrees", minimum=0.1, maximum=180.0
+    )
+    interval: float = parameter(
+        2.0, "Image time since the last keyframe that makes one.", unit="s",
+        minimum=0.01, maximum=3600.0,
+    )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        check_parameters(self)

@@ -1,0 +1,60 @@
+"""Tunable parameters as data: default, meaning, unit and range in one place.
+
+A stage describes its tuning as a frozen dataclass of :func:`parameter` fields. The node declares its
+ROS parameters from it, the CLI reads YAML into it, and the reference in docs/ is printed from it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any, cast
+
+from reflest_core.errors import ReflestError
+
+
+class ParameterError(ReflestError):
+    """A parameter's value lies outside its range or is not one of its choices."""
+
+
+@dataclasses.dataclass(frozen=True)
+class ParameterInfo:
+    """What a user must know to turn a parameter. ``minimum`` and ``maximum`` are inclusive."""
+
+    description: str
+    unit: str = ""
+    minimum: float | None = None
+    maximum: float | None = None
+    choices: tuple[str, ...] = ()
+
+    def check(self, name: str, value: object) -> None:
+        """Raise :class:`ParameterError` naming the parameter, its value and its range."""
+        if self.choices and value not in self.choices:
+            raise ParameterError(f"{name} = {value!r} is not one of {', '.join(self.choices)}")
+        for number in value if isinstance(value, (list, tuple)) else (value,):
+            if isinstance(number, bool) or not isinstance(number, (int, float)):
+                continue
+            below = self.minimum is not None and number < self.minimum
+            above = self.maximum is not None and number > self.maximum
+            if below or above or math.isnan(number):
+                unit = f" {self.unit}" if self.unit else ""
+                raise ParameterError(
+                    f"{name} = {number}{unit} is outside [{self.minimum}, {self.maximum}]{unit}"
+                )
+
+
+def parameter(default: Any, description: str, **info: Any) -> Any:
+    """Return a dataclass field with its :class:`ParameterInfo` attached (tuples for vectors)."""
+    metadata = {"parameter": ParameterInfo(description, **info)}
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def info_of(field: dataclasses.Field[Any]) -> ParameterInfo:
+    """Return the :class:`ParameterInfo` of a field made by :func:`parameter`."""
+    return cast(ParameterInfo, field.metadata["parameter"])
+
+
+def check_parameters(settings: Any) -> None:
+    """Check every field of a settings dataclass; call it from ``__post_init__``."""
+    for field in dataclasses.fields(settings):
+        info_of(field).check(field.name, getattr(settings, field.name))
