@@ -1,0 +1,70 @@
+"""CIE L*a*b* of *linear* Rec. 709 reflectance under D65, 2 degree observer (numpy or torch)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from array_api_compat import array_namespace
+from numpy.typing import NDArray
+
+Array = Any
+
+PRIMARIES_XY = ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06))
+"""Chromaticities of the Rec. 709 red, green and blue."""
+WHITE_XY = (0.3127, 0.3290)
+"""Chromaticity of D65."""
+
+_DELTA = 6 / 29
+
+
+def _xyz_of_chromaticity(x: float, y: float) -> NDArray[np.float64]:
+    return np.array([x / y, 1.0, (1 - x - y) / y])
+
+
+def _rgb_to_xyz_matrix() -> NDArray[np.float64]:
+    """(3, 3): primaries scaled so that RGB (1, 1, 1) is the white point with Y = 1."""
+    primaries = np.stack([_xyz_of_chromaticity(*xy) for xy in PRIMARIES_XY], axis=1)
+    scale: NDArray[np.float64] = np.linalg.solve(primaries, _xyz_of_chromaticity(*WHITE_XY))
+    matrix: NDArray[np.float64] = primaries * scale
+    return matrix
+
+
+RGB_TO_XYZ = _rgb_to_xyz_matrix()
+XYZ_TO_RGB = np.linalg.inv(RGB_TO_XYZ)
+WHITE_XYZ = _xyz_of_chromaticity(*WHITE_XY)
+LUMINANCE_WEIGHTS = RGB_TO_XYZ[1]
+"""Rec. 709 luminance of linear RGB: about (0.2126, 0.7152, 0.0722)."""
+
+
+def constant_like(values: NDArray[np.float64], like: Array) -> Array:
+    """``values`` as an array of the kind, type and device of ``like``."""
+    xp = array_namespace(like)
+    if isinstance(like, np.ndarray):
+        return xp.asarray(values, dtype=like.dtype)
+    return xp.asarray(values, dtype=like.dtype, device=like.device)
+
+
+def luminance(rgb: Array) -> Array:
+    """Rec. 709 luminance (...) of linear RGB (..., 3)."""
+    xp = array_namespace(rgb)
+    return xp.sum(rgb * constant_like(LUMINANCE_WEIGHTS, rgb), axis=-1)
+
+
+def rgb_to_lab(rgb: Array) -> Array:
+    """Linear RGB (..., 3) in [0, 1] to L* in [0, 100], a*, b* (..., 3); differentiable at 0."""
+    xp = array_namespace(rgb)
+    relative = rgb @ constant_like((RGB_TO_XYZ / WHITE_XYZ[:, None]).T, rgb)
+    root = xp.clip(relative, _DELTA**3, None) ** (1 / 3)
+    f = xp.where(relative > _DELTA**3, root, relative / (3 * _DELTA**2) + 4 / 29)
+    fx, fy, fz = f[..., 0], f[..., 1], f[..., 2]
+    return xp.stack([116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz)], axis=-1)
+
+
+def lab_to_rgb(lab: Array) -> Array:
+    """L*a*b* (..., 3) to linear RGB (..., 3), not clipped to the gamut."""
+    xp = array_namespace(lab)
+    fy = (lab[..., 0] + 16) / 116
+    f = xp.stack([fy + lab[..., 1] / 500, fy, fy - lab[..., 2] / 200], axis=-1)
+    relative = xp.where(f > _DELTA, f**3, 3 * _DELTA**2 * (f - 4 / 29))
+    return relative @ constant_like((XYZ_TO_RGB * WHITE_XYZ[None, :]).T, lab)

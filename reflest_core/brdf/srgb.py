@@ -1,0 +1,25 @@
+"""The sRGB transfer curve (IEC 61966-2-1) between linear light and encoded values, both in [0, 1]."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from array_api_compat import array_namespace
+
+Array = Any
+
+
+def encode(linear: Array) -> Array:
+    """Linear light to sRGB; values outside [0, 1] are clipped (numpy or torch, any shape)."""
+    xp = array_namespace(linear)
+    clipped = xp.clip(linear, 0, 1)
+    curve = 1.055 * xp.clip(clipped, 0.0031308, 1) ** (1 / 2.4) - 0.055
+    return xp.where(clipped <= 0.0031308, 12.92 * clipped, curve)
+
+
+def decode(encoded: Array) -> Array:
+    """sRGB values to linear light; values outside [0, 1] are clipped (numpy or torch)."""
+    xp = array_namespace(encoded)
+    clipped = xp.clip(encoded, 0, 1)
+    curve = ((xp.clip(clipped, 0.04045, 1) + 0.055) / 1.055) ** 2.4
+    return xp.where(clipped <= 0.04045, clipped / 12.92, curve)
