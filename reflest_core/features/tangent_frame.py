@@ -1,0 +1,25 @@
+"""The local frame of a voxel: +z on its normal, azimuth origin at the projection of world up."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+_NEARLY_VERTICAL = 1e-6
+"""Below this squared length the projection of world up says nothing; world x takes its place."""
+
+
+@numba.njit(cache=True, nogil=True)
+def tangent_frame(normal: NDArray[np.float32]) -> tuple[float, ...]:
+    """Tangent (x, y, z) and bitangent (x, y, z) of a unit ``normal`` (3,); world up is +z.
+
+    The tangent is the azimuth origin. For a vertical normal it is the projection of world x.
+    """
+    nx, ny, nz = float(normal[0]), float(normal[1]), float(normal[2])
+    tx, ty, tz = -nz * nx, -nz * ny, 1.0 - nz * nz
+    if tx * tx + ty * ty + tz * tz < _NEARLY_VERTICAL:
+        tx, ty, tz = 1.0 - nx * nx, -nx * ny, -nx * nz
+    scale = 1.0 / np.sqrt(tx * tx + ty * ty + tz * tz)
+    tx, ty, tz = tx * scale, ty * scale, tz * scale
+    return tx, ty, tz, ny * tz - nz * ty, nz * tx - nx * tz, nx * ty - ny * tx

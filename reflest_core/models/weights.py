@@ -1,0 +1,111 @@
+"""Weight files: safetensors with everything that is needed to use and to trust them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from safetensors import SafetensorError, safe_open
+from safetensors.torch import save_file
+
+from reflest_core.brdf.parameters import WardVariant
+from reflest_core.errors import ReflestError
+from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.models.quantisation import Tensors, dequantise, quantise
+
+FORMAT = "reflest-weights-1"
+SHIPPED = Path(__file__).parent / "shipped"
+
+
+class WeightsError(ReflestError):
+    """A weight file is missing, damaged or made for something else."""
+
+
+@dataclass(frozen=True)
+class WeightsCard:
+    """What a network's outputs mean and how it came to be.
+
+    ``network``: ``hemicnn`` or ``grouplet``. ``parameters``: ``ward`` or ``labcd``, the meaning of
+    the five outputs after ``statistics`` undo the z-score. ``recipe``: data, loss, optimiser, seed.
+    """
+
+    network: str
+    parameters: str
+    variant: WardVariant
+    statistics: ParameterStatistics
+    recipe: dict[str, Any]
+
+
+def save_weights(path: Path, tensors: Tensors, card: WeightsCard, eight_bit: bool) -> None:
+    """Write atomically; ``eight_bit`` stores matrices as int8 (see :mod:`.quantisation`)."""
+    stored = {name: tensor.detach().cpu().contiguous() for name, tensor in tensors.items()}
+    if eight_bit:
+        stored = quantise(stored)
+    described = json.dumps(
+        {
+            "network": card.network,
+            "parameters": card.parameters,
+            "variant": card.variant.value,
+            "mean": card.statistics.mean.tolist(),
+            "stddev": card.statistics.stddev.tolist(),
+            "recipe": card.recipe,
+        },
+        sort_keys=True,
+    )
+    metadata = {"format": FORMAT, "card": described, "sha256": content_hash(stored, described)}
+    temporary = path.with_suffix(".partial")
+    save_file(stored, temporary, metadata)
+    os.replace(temporary, path)
+
+
+def load_weights(path: Path) -> tuple[Tensors, WeightsCard, str]:
+    """Float32 tensors, the card and the checked hash (hex); :class:`WeightsError` otherwise."""
+    if not path.is_file():
+        raise WeightsError(f"there is no weight file {path}; name one of the shipped models or a file")
+    try:
+        with safe_open(path, framework="pt") as file:
+            metadata = file.metadata() or {}
+            stored = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+    except (SafetensorError, OSError) as error:
+        raise WeightsError(f"{path} is not a readable safetensors file ({error})") from error
+    if metadata.get("format") != FORMAT:
+        raise WeightsError(
+            f"{path} has format {metadata.get('format')!r}, not {FORMAT!r}; "
+            "use weights written by this version of reflest"
+        )
+    digest = content_hash(stored, metadata["card"])
+    if digest != metadata["sha256"]:
+        raise WeightsError(f"{path} does not match its own hash: it is damaged; install it again")
+    return dequantise(stored), _read_card(metadata["card"]), digest
+
+
+def load_into(network: torch.nn.Module, tensors: Tensors, path: Path) -> None:
+    """Put ``tensors`` into ``network``; :class:`WeightsError` names the file where they don't fit."""
+    try:
+        network.load_state_dict(tensors)
+    except RuntimeError as error:
+        raise WeightsError(f"{path} does not fit {type(network).__name__}: {error}") from error
+
+
+def content_hash(stored: Tensors, card: str) -> str:
+    """SHA-256 (hex) over the card and every tensor's name, type, shape and bytes, by name."""
+    digest = hashlib.sha256(card.encode())
+    for name in sorted(stored):
+        tensor = stored[name]
+        digest.update(f"{name} {tensor.dtype} {tuple(tensor.shape)}".encode())
+        digest.update(tensor.numpy().tobytes())
+    return digest.hexdigest()
+
+
+def _read_card(described: str) -> WeightsCard:
+    card = json.loads(described)
+    statistics = ParameterStatistics(np.array(card["mean"]), np.array(card["stddev"]))
+    return WeightsCard(
+        card["network"], card["parameters"], WardVariant(card["variant"]), statistics, card["recipe"]
+    )
