@@ -1,0 +1,53 @@
+# make demo, make test and make lint set up what they need in .venv, and nothing outside the checkout.
+# TORCH_INDEX=https://download.pytorch.org/whl/cpu keeps PyPI's CUDA build of torch away.
+
+PYTHON ?= python3.11
+TORCH_INDEX ?=
+VENV := .venv
+BIN := $(VENV)/bin
+PIP_INSTALL = $(BIN)/python -m pip install --disable-pip-version-check --quiet \
+	$(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX))
+
+# Set by the ROS wheels of another environment, they would load that environment's libraries here.
+unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE LD_LIBRARY_PATH PYTHONPATH VIRTUAL_ENV
+unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH
+
+RUN_REQUIREMENTS := reflest_core/requirements.txt requirements/ros.txt requirements/build.txt \
+	requirements/demo.txt
+TEST_REQUIREMENTS := reflest_core/requirements-synbrdf.txt requirements/test.txt
+INTERFACES := CMakeLists.txt package.xml setup.py pyproject.toml $(wildcard msg/*.msg srv/*.srv)
+requirement_flags = $(foreach file,$(1),-r $(file))
+
+.PHONY: demo test lint set-up clean
+.DEFAULT_GOAL := demo
+
+demo: $(VENV)/run.stamp $(VENV)/interfaces.stamp
+	$(BIN)/python -m reflest_ros.demo
+
+test: $(VENV)/test.stamp $(VENV)/interfaces.stamp
+	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+lint: $(VENV)/test.stamp $(VENV)/interfaces.stamp
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+set-up: $(VENV)/test.stamp $(VENV)/interfaces.stamp
+
+$(BIN)/python:
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/run.stamp: $(RUN_REQUIREMENTS) | $(BIN)/python
+	$(PIP_INSTALL) $(call requirement_flags,$(RUN_REQUIREMENTS))
+	touch $@
+
+# One pip call for everything: what the demo needs is among it.
+$(VENV)/test.stamp: $(RUN_REQUIREMENTS) $(TEST_REQUIREMENTS) | $(BIN)/python
+	$(PIP_INSTALL) $(call requirement_flags,$(RUN_REQUIREMENTS) $(TEST_REQUIREMENTS))
+	touch $(VENV)/run.stamp $@
+
+$(VENV)/interfaces.stamp: $(INTERFACES) | $(VENV)/run.stamp
+	$(PIP_INSTALL) --no-build-isolation --no-deps --editable .
+	touch $@
+
+clean:
+	rm -rf $(VENV) build install log demo-output
