@@ -20,6 +20,8 @@ class RefusalCause(enum.Enum):
     POSE_MISSING = "pose_missing"
     DEPTH_MISSING = "depth_missing"
     DEPTH_EMPTY = "depth_empty"
+    MASK_MISSING = "mask_missing"
+    FRAME_MISMATCH = "frame_mismatch"
     TIME_BACKWARDS = "time_backwards"
     NO_OVERLAP = "no_overlap"
     QUEUE_FULL = "queue_full"

@@ -1,0 +1,97 @@
+"""``CameraInfo`` to intrinsics: checked, with binning and ROI applied and distortion named."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reflest_core.capture.camera import CameraIntrinsics
+from reflest_core.capture.messages import CameraInfoMessage
+from reflest_core.capture.refusal import FrameRefused, RefusalCause
+from reflest_core.capture.settings import CaptureSettings
+
+APPLIED_MODELS = ("plumb_bob", "rational_polynomial")
+COEFFICIENT_COUNTS = (4, 5, 8)
+# With these, coefficients of zero are still a fisheye, not a pinhole.
+FISHEYE_MODELS = ("equidistant", "fisheye", "kannala_brandt", "kannala_brandt4")
+
+
+@dataclass(frozen=True)
+class CalibratedCamera:
+    """Intrinsics of the published image, and the distortion that is still in it (OpenCV's order)."""
+
+    intrinsics: CameraIntrinsics
+    distortion: tuple[float, ...] = ()
+
+
+def check_camera_info(
+    info: CameraInfoMessage, topic: str, settings: CaptureSettings
+) -> CalibratedCamera:
+    """Return the camera that ``info`` describes.
+
+    ROI, then binning are applied as image_geometry does: ``cx`` loses the offset and is divided
+    by the binning.
+
+    Raises:
+        FrameRefused: CAMERA_INFO_INVALID, naming the field.
+    """
+    left, top, roi_width, roi_height = info.roi
+    bin_x, bin_y = max(info.binning[0], 1), max(info.binning[1], 1)
+    width = (roi_width or info.width) // bin_x
+    height = (roi_height or info.height) // bin_y
+    if width < 1 or height < 1:
+        raise _invalid(topic, f"describes an image of {width} x {height} pixels")
+    matrix = _matrix(info, topic, settings.rectified)
+    fx, skew, cx, fy, cy = matrix[0, 0], matrix[0, 1], matrix[0, 2], matrix[1, 1], matrix[1, 2]
+    name = "P" if settings.rectified else "K"
+    if not np.isfinite(matrix).all() or fx <= 0.0 or fy <= 0.0 or skew != 0.0:
+        raise _invalid(
+            topic,
+            f"has {name} with fx = {fx:g}, fy = {fy:g}, cx = {cx:g}, cy = {cy:g}, skew = {skew:g}; "
+            "focal lengths must be positive, all finite and skew 0",
+        )
+    intrinsics = CameraIntrinsics(
+        width=width,
+        height=height,
+        fx=float(fx) / bin_x,
+        fy=float(fy) / bin_y,
+        cx=(float(cx) - left) / bin_x,
+        cy=(float(cy) - top) / bin_y,
+    )
+    distortion = () if settings.rectified else _checked_distortion(info, topic)
+    return CalibratedCamera(intrinsics, distortion)
+
+
+def _matrix(info: CameraInfoMessage, topic: str, rectified: bool) -> np.ndarray:
+    values, count = (info.p, 12) if rectified else (info.k, 9)
+    if len(values) != count:
+        raise _invalid(topic, f"has {len(values)} values where {count} make a matrix")
+    return np.array(values, dtype=np.float64).reshape(3, -1)
+
+
+def _checked_distortion(info: CameraInfoMessage, topic: str) -> tuple[float, ...]:
+    if info.distortion_model in FISHEYE_MODELS:
+        raise _not_applied(info, topic)
+    if not any(info.d):  # NaN counts as present and is refused below
+        return ()
+    if info.distortion_model not in APPLIED_MODELS or len(info.d) not in COEFFICIENT_COUNTS:
+        raise _not_applied(info, topic)
+    if not np.isfinite(info.d).all():
+        raise _invalid(topic, "has distortion coefficients that are NaN or infinite")
+    return tuple(info.d)
+
+
+def _not_applied(info: CameraInfoMessage, topic: str) -> FrameRefused:
+    return _invalid(
+        topic,
+        f"has distortion model {info.distortion_model!r} with {len(info.d)} coefficients, of which "
+        f"only {' and '.join(APPLIED_MODELS)} (4, 5 or 8) are applied: publish rectified images "
+        "and set capture.rectified",
+        ask_to_calibrate=False,
+    )
+
+
+def _invalid(topic: str, what: str, ask_to_calibrate: bool = True) -> FrameRefused:
+    advice = ": calibrate the camera or choose another topic" if ask_to_calibrate else ""
+    return FrameRefused(RefusalCause.CAMERA_INFO_INVALID, f"{topic} {what}{advice}")

@@ -1,0 +1,61 @@
+"""What a jpeg or png says of itself, read without unpacking it."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+
+PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
+JPEG_MAGIC = b"\xff\xd8\xff"
+JPEG_END = b"\xff\xd9"
+# Start-of-frame markers carry the size; C4, C8 and CC share the range but mean other things.
+START_OF_FRAME = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+PNG_CHANNELS = {0: 1, 2: 3, 3: 3, 4: 2, 6: 4}  # by colour type; a palette unpacks to three
+
+
+@dataclass(frozen=True)
+class CompressedHeader:
+    """``kind`` is jpeg or png; ``bit_depth`` is per channel; ``is_complete``: its end is there."""
+
+    kind: str
+    width: int
+    height: int
+    bit_depth: int
+    channels: int
+    is_complete: bool
+
+
+def read_header(data: bytes) -> CompressedHeader | None:
+    """Return the header of a jpeg or png, or None where ``data`` starts as neither."""
+    if data.startswith(PNG_MAGIC):
+        return _read_png(data)
+    if data.startswith(JPEG_MAGIC):
+        return _read_jpeg(data)
+    return None
+
+
+def _read_png(data: bytes) -> CompressedHeader | None:
+    if len(data) < 26 or data[12:16] != b"IHDR":
+        return None
+    width, height, bit_depth, colour_type = struct.unpack_from(">IIBB", data, 16)
+    channels = PNG_CHANNELS.get(colour_type, 0)
+    if bit_depth < 8:  # one to four bits of palette or grey unpack to eight
+        bit_depth = 8
+    return CompressedHeader("png", width, height, bit_depth, channels, b"IEND" in data[-64:])
+
+
+def _read_jpeg(data: bytes) -> CompressedHeader | None:
+    position = 2
+    while position + 9 <= len(data):
+        if data[position] != 0xFF:
+            return None
+        marker = data[position + 1]
+        if marker == 0xFF:  # fill byte
+            position += 1
+            continue
+        if marker in START_OF_FRAME:
+            bit_depth, height, width, channels = struct.unpack_from(">BHHB", data, position + 4)
+            is_complete = JPEG_END in data[-64:]
+            return CompressedHeader("jpeg", width, height, bit_depth, channels, is_complete)
+        position += 2 + int(struct.unpack_from(">H", data, position + 2)[0])
+    return None

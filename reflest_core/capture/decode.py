@@ -1,0 +1,126 @@
+"""Image messages to arrays: colour as 8-bit RGB, depth in metres; other encodings are refused.
+
+``step`` and endianness are honoured. Units are never guessed: ``32FC1`` is metres and ``16UC1``
+counts ``depth_scale`` metres.
+"""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.capture.compressed import (
+    decode_compressed_colour,
+    decode_compressed_depth,
+    decode_compressed_mask,
+)
+from reflest_core.capture.messages import AnyImage, CompressedImageMessage, ImageMessage
+from reflest_core.capture.refusal import FrameRefused, RefusalCause
+
+# Bytes of a pixel, and which of them are red, green and blue.
+COLOUR_ENCODINGS: dict[str, tuple[int, tuple[int, int, int]]] = {
+    "rgb8": (3, (0, 1, 2)),
+    "bgr8": (3, (2, 1, 0)),
+    "rgba8": (4, (0, 1, 2)),
+    "bgra8": (4, (2, 1, 0)),
+    "mono8": (1, (0, 0, 0)),
+}
+DEPTH_ENCODINGS = {"16UC1": np.dtype(np.uint16), "32FC1": np.dtype(np.float32)}
+MASK_ENCODINGS = ("mono8", "8UC1")
+SATURATED = 65535  # in 16-bit depth: "further than I can count", or Kinect's "unknown"
+
+
+def decode_colour(message: AnyImage, topic: str) -> NDArray[np.uint8]:
+    """Return (H, W, 3) uint8, 8-bit sRGB, red first.
+
+    Raises:
+        FrameRefused: ENCODING, SIZE or TRUNCATED.
+    """
+    if isinstance(message, CompressedImageMessage):
+        return decode_compressed_colour(message, topic)
+    if message.encoding not in COLOUR_ENCODINGS:
+        raise _unsupported(message.encoding, topic, COLOUR_ENCODINGS, "colour", "--rgb-topic")
+    pixel_bytes, channels = COLOUR_ENCODINGS[message.encoding]
+    rows = _pixel_rows(message, pixel_bytes, topic)
+    pixels = rows.reshape(message.height, message.width, pixel_bytes)
+    return np.ascontiguousarray(pixels[:, :, list(channels)])
+
+
+def decode_depth(message: AnyImage, topic: str, depth_scale: float) -> NDArray[np.float32]:
+    """Return (H, W) float32 in metres; 0 where depth is NaN, infinite, not positive or saturated.
+
+    Raises:
+        FrameRefused: ENCODING, SIZE or TRUNCATED.
+    """
+    if isinstance(message, CompressedImageMessage):
+        raw = decode_compressed_depth(message, topic)
+        return _metres_from_units(raw, depth_scale) if raw.dtype == np.uint16 else _metres(raw)
+    if message.encoding not in DEPTH_ENCODINGS:
+        raise _unsupported(message.encoding, topic, DEPTH_ENCODINGS, "depth", "--depth-topic")
+    native = DEPTH_ENCODINGS[message.encoding]
+    rows = _pixel_rows(message, native.itemsize, topic)
+    raw = np.ascontiguousarray(rows).view(native.newbyteorder("><"[not message.is_bigendian]))
+    if native == np.uint16:
+        return _metres_from_units(raw.astype(native), depth_scale)
+    return _metres(raw.astype(native))
+
+
+def decode_mask(message: AnyImage, topic: str) -> NDArray[np.bool_]:
+    """Return (H, W) bool, True where the mask is not 0.
+
+    Raises:
+        FrameRefused: ENCODING, SIZE or TRUNCATED.
+    """
+    if isinstance(message, CompressedImageMessage):
+        return decode_compressed_mask(message, topic) != 0
+    if message.encoding not in MASK_ENCODINGS:
+        raise _unsupported(message.encoding, topic, MASK_ENCODINGS, "mask", "--mask-topic")
+    return _pixel_rows(message, 1, topic) != 0
+
+
+def _unsupported(
+    encoding: str, topic: str, supported: dict[str, object] | tuple[str, ...], kind: str, knob: str
+) -> FrameRefused:
+    return FrameRefused(
+        RefusalCause.ENCODING,
+        f"{topic} has encoding {encoding!r}, which is not read as {kind}: publish one of "
+        f"{', '.join(supported)}, or choose another topic ({knob})",
+    )
+
+
+def _pixel_rows(message: ImageMessage, pixel_bytes: int, topic: str) -> NDArray[np.uint8]:
+    """Return the (H, W * pixel_bytes) bytes of the pixels without the rows' padding."""
+    height, width, step = message.height, message.width, message.step
+    data = np.frombuffer(message.data, dtype=np.uint8)
+    is_wide_enough = height > 0 and width > 0 and step >= width * pixel_bytes
+    if not is_wide_enough or data.size > step * height:
+        raise FrameRefused(
+            RefusalCause.SIZE,
+            f"{topic}: {width} x {height} {message.encoding} pixels do not fit step {step} and "
+            f"{data.size} bytes: check the camera driver's image message",
+        )
+    if data.size < step * height:
+        raise FrameRefused(
+            RefusalCause.TRUNCATED,
+            f"{topic}: the image holds {data.size} of {step * height} bytes: it was cut off in "
+            "the driver or on the way",
+        )
+    return data.reshape(height, step)[:, : width * pixel_bytes]
+
+
+@functools.lru_cache(maxsize=4)
+def _metres_by_unit(depth_scale: float) -> NDArray[np.float32]:
+    # Multiplied in double precision, so that 16UC1 equals a 32FC1 image of the same metres.
+    table = (np.arange(SATURATED + 1) * depth_scale).astype(np.float32)
+    table[SATURATED] = 0.0
+    return table
+
+
+def _metres_from_units(raw: NDArray[np.uint16], depth_scale: float) -> NDArray[np.float32]:
+    return _metres_by_unit(depth_scale)[raw]
+
+
+def _metres(raw: NDArray[np.float32]) -> NDArray[np.float32]:
+    return np.where(np.isfinite(raw) & (raw > 0.0), raw, np.float32(0.0))

@@ -1,0 +1,88 @@
+"""Sensor messages as plain data: the ROS node and the bag readers both fill these."""
+
+from __future__ import annotations
+
+import array
+import enum
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+ByteData: TypeAlias = "bytes | bytearray | memoryview | array.array[int] | NDArray[np.uint8]"
+
+
+class Role(enum.Enum):
+    """What a topic is used for; the value is its relative topic name in the node."""
+
+    RGB = "rgb"
+    DEPTH = "depth"
+    CAMERA_INFO = "camera_info"
+    POSE = "pose"
+    MASK = "mask"
+
+
+@dataclass(frozen=True, eq=False)
+class ImageMessage:
+    """``sensor_msgs/Image``: ``height`` rows of ``step`` bytes each."""
+
+    stamp_ns: int
+    frame_id: str
+    height: int
+    width: int
+    encoding: str
+    is_bigendian: bool
+    step: int
+    data: ByteData
+
+
+@dataclass(frozen=True, eq=False)
+class CompressedImageMessage:
+    """``sensor_msgs/CompressedImage``: a jpeg, a png, or a png behind compressedDepth's header."""
+
+    stamp_ns: int
+    frame_id: str
+    format: str
+    data: ByteData
+
+
+@dataclass(frozen=True)
+class CameraInfoMessage:
+    """``sensor_msgs/CameraInfo``: calibration at full resolution, then ROI and binning.
+
+    ``k``: (9,) row-major raw intrinsics, pixels. ``d``: distortion coefficients of
+    ``distortion_model``. ``p``: (12,) row-major projection of the rectified image. ``roi``:
+    x offset, y offset, width, height in full-resolution pixels; all 0 means the whole image.
+    ``binning``: x, y; 0 means 1.
+    """
+
+    stamp_ns: int
+    frame_id: str
+    width: int
+    height: int
+    k: tuple[float, ...]
+    d: tuple[float, ...] = ()
+    distortion_model: str = ""
+    p: tuple[float, ...] = ()
+    binning: tuple[int, int] = (0, 0)
+    roi: tuple[int, int, int, int] = (0, 0, 0, 0)
+
+
+@dataclass(frozen=True)
+class PoseMessage:
+    """Pose of ``child_frame_id`` in ``frame_id`` (``PoseStamped``, ``Odometry``).
+
+    ``position``: x, y, z in metres. ``orientation``: quaternion x, y, z, w. An empty
+    ``child_frame_id`` means the colour camera's optical frame, as in a ``PoseStamped``.
+    """
+
+    stamp_ns: int
+    frame_id: str
+    position: tuple[float, float, float]
+    orientation: tuple[float, float, float, float]
+    child_frame_id: str = ""
+
+
+AnyImage: TypeAlias = ImageMessage | CompressedImageMessage
+SensorMessage: TypeAlias = AnyImage | CameraInfoMessage | PoseMessage
