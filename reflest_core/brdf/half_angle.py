@@ -1,7 +1,7 @@
 """Quadrature over pairs of directions in half/difference angles (Rusinkiewicz 1998).
 
 A Ward lobe is a peak in ``theta_h`` alone, so a few points there, spaced by the logarithm of
-``tan theta_h``, integrate lobes from ``alpha`` = 0.001 to 1, which no grid in the two directions can.
+``tan theta_h``, integrate lobes from ``alpha`` = 0.001 to 1; no grid in the two directions can.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ LARGEST_TAN = 30.0
 class HalfAngleQuadrature:
     """Nodes of ``integral g(omega_i, omega_o) cos theta_i d omega_i d omega_o`` for isotropic g.
 
-    ``omega_i``, ``omega_o``: (Q, 3), local frame. ``weights``: (Q,) with the cosine and the Jacobian
-    in them; pairs with a direction below the surface weigh 0.
+    ``omega_i``, ``omega_o``: (Q, 3), local frame. ``weights``: (Q,) with cosine and Jacobian in
+    them; pairs with a direction below the surface weigh 0.
     """
 
     omega_i: torch.Tensor
@@ -52,7 +52,8 @@ class HalfAngleQuadrature:
         along = np.cos(theta_d)[:, None] * half_vector
         omega_i, omega_o = along + offset, along - offset
 
-        # d omega_i d omega_o = 4 cos theta_d d omega_h d omega_d; d omega_h = cos^3 theta_h tan d tan.
+        # d omega_i d omega_o = 4 cos theta_d d omega_h d omega_d,
+        # d omega_h = sin theta_h cos^2 theta_h d tan theta_h d phi_h.
         solid_angles = (2 * math.pi * sin_h * cos_h**2) * np.sin(theta_d) * widths
         weights = 4 * np.cos(theta_d) * solid_angles * omega_i[:, 2]
         weights[(omega_i[:, 2] <= 0) | (omega_o[:, 2] <= 0)] = 0.0
@@ -62,7 +63,8 @@ class HalfAngleQuadrature:
 
 def _midpoints(low: float, high: float, count: int) -> tuple[NDArray[np.float64], float]:
     width = (high - low) / count
-    return low + (np.arange(count) + 0.5) * width, width
+    middle: NDArray[np.float64] = low + (np.arange(count) + 0.5) * width
+    return middle, width
 
 
 def _log_midpoints(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -25,7 +25,7 @@ def _xyz_of_chromaticity(x: float, y: float) -> NDArray[np.float64]:
 def _rgb_to_xyz_matrix() -> NDArray[np.float64]:
     """(3, 3): primaries scaled so that RGB (1, 1, 1) is the white point with Y = 1."""
     primaries = np.stack([_xyz_of_chromaticity(*xy) for xy in PRIMARIES_XY], axis=1)
-    scale: NDArray[np.float64] = np.linalg.solve(primaries, _xyz_of_chromaticity(*WHITE_XY))
+    scale = np.linalg.solve(primaries, _xyz_of_chromaticity(*WHITE_XY))
     matrix: NDArray[np.float64] = primaries * scale
     return matrix
 

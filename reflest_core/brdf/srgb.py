@@ -1,4 +1,4 @@
-"""The sRGB transfer curve (IEC 61966-2-1) between linear light and encoded values, both in [0, 1]."""
+"""The sRGB transfer curve (IEC 61966-2-1): linear light and encoded values, both in [0, 1]."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def encode(linear: Array) -> Array:
 
 
 def decode(encoded: Array) -> Array:
-    """sRGB values to linear light; values outside [0, 1] are clipped (numpy or torch)."""
+    """SRGB values to linear light; values outside [0, 1] are clipped (numpy or torch)."""
     xp = array_namespace(encoded)
     clipped = xp.clip(encoded, 0, 1)
     curve = ((xp.clip(clipped, 0.04045, 1) + 0.055) / 1.055) ** 2.4

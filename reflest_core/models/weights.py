@@ -67,7 +67,9 @@ def save_weights(path: Path, tensors: Tensors, card: WeightsCard, eight_bit: boo
 def load_weights(path: Path) -> tuple[Tensors, WeightsCard, str]:
     """Float32 tensors, the card and the checked hash (hex); :class:`WeightsError` otherwise."""
     if not path.is_file():
-        raise WeightsError(f"there is no weight file {path}; name one of the shipped models or a file")
+        raise WeightsError(
+            f"there is no weight file {path}; name one of the shipped models or a file"
+        )
     try:
         with safe_open(path, framework="pt") as file:
             metadata = file.metadata() or {}
@@ -107,5 +109,9 @@ def _read_card(described: str) -> WeightsCard:
     card = json.loads(described)
     statistics = ParameterStatistics(np.array(card["mean"]), np.array(card["stddev"]))
     return WeightsCard(
-        card["network"], card["parameters"], WardVariant(card["variant"]), statistics, card["recipe"]
+        card["network"],
+        card["parameters"],
+        WardVariant(card["variant"]),
+        statistics,
+        card["recipe"],
     )

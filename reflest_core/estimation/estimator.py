@@ -1,0 +1,101 @@
+"""Store in, estimate out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.brdf.gloss import labcd_to_ward, ward_to_labcd
+from reflest_core.errors import ReflestError
+from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
+from reflest_core.estimation.settings import EstimationSettings
+from reflest_core.features.coverage import hemisphere_coverage
+from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.models.predictor import Prediction, Predictor
+
+SMALLEST_ALPHA = 0.001
+"""The roughness of the glossiest OpenSurfaces material (``doi`` = 15)."""
+
+
+class NoEstimate(ReflestError):
+    """The scan does not hold enough for an estimate; the sentence says what is missing."""
+
+
+class Estimator:
+    """Estimates the BRDF of observed surfaces; the same surface gives the same bits."""
+
+    def __init__(self, settings: EstimationSettings) -> None:
+        """Load the network; :class:`WeightsError` where its weights cannot be used."""
+        self.settings = settings
+        weights = Path(settings.weights) if settings.weights else None
+        self.predictor = Predictor(settings.model, weights)
+
+    def estimate(self, surface: ObservedSurface, stamp_ns: int, frame_id: str) -> BrdfEstimate:
+        """The surface's BRDF; raises :class:`NoEstimate` where too few voxels were observed."""
+        observed = int((surface.observation_counts > 0).sum())
+        if observed < self.settings.min_voxels:
+            raise NoEstimate(
+                f"{observed} voxels have been observed and estimation.min_voxels is "
+                f"{self.settings.min_voxels}: scan more of the object, or check the region of "
+                "interest and fusion.max_depth"
+            )
+        prediction = self.predictor.predict(surface)
+        ward = physical_ward(self._as_ward(prediction))
+        red, green, blue, rho_s, alpha = ward.tolist()
+        lightness, a, b, c, d = ward_to_labcd(ward).tolist()
+        coverage = hemisphere_coverage(surface, prediction.voxels)
+        status, status_text = self._judge(coverage, len(prediction.voxels))
+        return BrdfEstimate(
+            stamp_ns=stamp_ns,
+            frame_id=frame_id,
+            schema_version=SCHEMA_VERSION,
+            model_id=self.predictor.model_id,
+            ward_variant=self.predictor.card.variant.value,
+            rho_d=(red, green, blue),
+            rho_s=rho_s,
+            alpha=alpha,
+            lab=(lightness, a, b),
+            c=c,
+            d=d,
+            voxel_count=surface.voxel_count,
+            observation_count=len(surface.colours),
+            view_count=len(np.unique(surface.view_indices)),
+            coverage=coverage,
+            status=status,
+            status_text=status_text,
+        )
+
+    def _as_ward(self, prediction: Prediction) -> NDArray[np.float64]:
+        if self.predictor.card.parameters == "labcd":
+            ward: NDArray[np.float64] = labcd_to_ward(prediction.values)
+            return ward
+        return prediction.values
+
+    def _judge(self, coverage: float, voxels: int) -> tuple[EstimateStatus, str]:
+        if voxels < self.predictor.voxels:
+            return (
+                EstimateStatus.FEW_VOXELS,
+                f"{voxels} voxels where the network expects {self.predictor.voxels}",
+            )
+        if coverage < self.settings.low_coverage:
+            return (
+                EstimateStatus.LOW_COVERAGE,
+                f"{coverage:.0%} of view directions seen, below {self.settings.low_coverage:.0%}: "
+                "move around the object",
+            )
+        return EstimateStatus.OK, ""
+
+
+def physical_ward(ward: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The nearest physical values of (5,) ``rho_d``, ``rho_s``, ``alpha`` that a network gave.
+
+    Each value is clipped to its range; both albedos are divided by ``max(rho_d) + rho_s`` where
+    that passes 1.
+    """
+    rho_d = np.clip(ward[:3], 0.0, 1.0)
+    rho_s = max(float(ward[3]), 0.0)
+    alpha = max(float(ward[4]), SMALLEST_ALPHA)
+    energy = max(float(rho_d.max()) + rho_s, 1.0)
+    return np.array([*(rho_d / energy), rho_s / energy, alpha])

@@ -1,0 +1,105 @@
+"""All tuning of a scan in one tree, as ``config/estimator.yaml`` writes it."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from reflest_core.capture.settings import CaptureSettings
+from reflest_core.fusion.settings import FusionSettings, KeyframeSettings, RegionSettings
+from reflest_core.models.predictor import MODELS
+from reflest_core.parameter import ParameterError, check_parameters, parameter
+
+
+@dataclass(frozen=True)
+class EstimationSettings:
+    """Which network looks at the scan, and when there is too little to look at."""
+
+    model: str = parameter("hemicnn", "The network that estimates.", choices=tuple(MODELS))
+    weights: str = parameter("", "Weight file to use in place of the shipped one.")
+    min_voxels: int = parameter(
+        10, "With fewer observed voxels there is no estimate.", minimum=1, maximum=1000
+    )
+    low_coverage: float = parameter(
+        0.15, "Below this share of each voxel's view directions an estimate is marked LOW_COVERAGE.",
+        minimum=0.0, maximum=1.0,
+    )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        check_parameters(self)
+
+
+@dataclass(frozen=True)
+class ReflestSettings:
+    """One group of parameters for each stage; a parameter's full name is ``group.name``."""
+
+    capture: CaptureSettings = field(default_factory=CaptureSettings)
+    region: RegionSettings = field(default_factory=RegionSettings)
+    fusion: FusionSettings = field(default_factory=FusionSettings)
+    keyframe: KeyframeSettings = field(default_factory=KeyframeSettings)
+    estimation: EstimationSettings = field(default_factory=EstimationSettings)
+
+    @staticmethod
+    def from_values(values: dict[str, dict[str, Any]]) -> ReflestSettings:
+        """Build from ``{group: {name: value}}``; what is absent keeps its default.
+
+        Raises :class:`ParameterError` for an unknown name, a wrong type or a value out of range.
+        """
+        defaults = ReflestSettings()
+        groups = {
+            group.name: getattr(defaults, group.name) for group in dataclasses.fields(defaults)
+        }
+        for name, given in values.items():
+            if name not in groups:
+                raise ParameterError(f"{name} is no parameter group; there are {', '.join(groups)}")
+            groups[name] = with_values(groups[name], given, name)
+        return ReflestSettings(**groups)
+
+    @staticmethod
+    def from_yaml(path: Path) -> ReflestSettings:
+        """Read a ROS 2 parameter file (``/**: ros__parameters: {group: {name: value}}``)."""
+        try:
+            tree = yaml.safe_load(path.read_text())
+            values = next(iter(tree.values()))["ros__parameters"]
+        except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+            raise ParameterError(f"{path} cannot be read as YAML ({error})") from error
+        except (AttributeError, KeyError, StopIteration, TypeError) as error:
+            raise ParameterError(f"{path} has no ros__parameters under a node name") from error
+        settings = {group.name for group in dataclasses.fields(ReflestSettings)}
+        return ReflestSettings.from_values({k: v for k, v in values.items() if k in settings})
+
+
+def with_values(group: Any, given: dict[str, Any], group_name: str) -> Any:
+    """A copy of the settings dataclass ``group`` with ``given`` values, checked for type and range."""
+    if not isinstance(given, dict):
+        raise ParameterError(f"{group_name} must hold names and values, not {given!r}")
+    changes: dict[str, Any] = {}
+    for name, value in given.items():
+        if name not in {known.name for known in dataclasses.fields(group)}:
+            raise ParameterError(f"{group_name}.{name} is no parameter")
+        changes[name] = _as_type_of(getattr(group, name), value, f"{group_name}.{name}")
+    try:
+        return dataclasses.replace(group, **changes)
+    except ParameterError as error:
+        raise ParameterError(f"{group_name}.{error}") from error
+
+
+def _as_type_of(default: Any, value: Any, name: str) -> Any:
+    """``value`` as the type of ``default``; integers pass as floats, lists as tuples of floats."""
+    if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    if isinstance(default, tuple) and not isinstance(value, str):
+        try:
+            numbers = tuple(float(number) for number in value)
+        except (TypeError, ValueError) as error:
+            raise ParameterError(f"{name} = {value!r} is not a list of numbers") from error
+        if len(numbers) != len(default):
+            raise ParameterError(f"{name} needs {len(default)} numbers, not {len(numbers)}")
+        return numbers
+    if type(value) is not type(default):
+        raise ParameterError(f"{name} = {value!r} is not a {type(default).__name__}")
+    return value

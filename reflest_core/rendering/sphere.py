@@ -1,0 +1,100 @@
+"""A sphere with a Ward BRDF, seen from far along -y: the swatch that people judge materials by."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.brdf.parameters import WardParameters
+from reflest_core.brdf.sampling import sample_specular, specular_weight
+from reflest_core.brdf.srgb import encode
+from reflest_core.brdf.ward import evaluate
+from reflest_core.rendering.environments import irradiance, look_up
+
+TOWARDS_CAMERA = np.array([0.0, -1.0, 0.0])
+SAMPLES = 12
+"""Strata on each side: 144 directions in each pixel."""
+
+Image = NDArray[np.float64]
+
+
+def render_environment(
+    parameters: WardParameters, environment: NDArray[np.float32], size: int = 256
+) -> Image:
+    """Linear radiance (size, size, 3) of the sphere lit by a lat-long map, which is the background.
+
+    World: z up, camera at -y. The diffuse lobe sums over the whole map; the specular lobe is
+    importance-sampled on strata that a fixed seed shifts in each pixel, so the picture repeats.
+    """
+    normals, on_sphere = _sphere_normals(size)
+    frames = _local_frames(normals)
+    omega_o = np.einsum("pij,j->pi", frames, TOWARDS_CAMERA)[:, None]
+    diffuse = np.array(parameters.rho_d) / np.pi * irradiance(environment, normals)
+
+    mirrored = sample_specular(parameters.alpha, omega_o, _shifted_strata(len(normals)))
+    weights = specular_weight(parameters.rho_s, mirrored, omega_o, parameters.variant)
+    arriving = look_up(environment, np.einsum("pji,psj->psi", frames, mirrored))
+    specular = (weights[..., None] * arriving).mean(axis=1)
+
+    image = look_up(environment, _background_directions(size))
+    image[on_sphere] = diffuse + specular
+    return image
+
+
+def render_point_light(
+    parameters: WardParameters, direction: tuple[float, float, float], size: int = 256
+) -> Image:
+    """Linear radiance (size, size, 3) under a distant light of irradiance pi from ``direction``."""
+    normals, on_sphere = _sphere_normals(size)
+    frames = _local_frames(normals)
+    towards_light = np.array(direction) / np.linalg.norm(direction)
+    omega_i = np.einsum("pij,j->pi", frames, towards_light)
+    omega_o = np.einsum("pij,j->pi", frames, TOWARDS_CAMERA)
+    rho_d, rho_s = np.array(parameters.rho_d), np.array(parameters.rho_s)
+    alpha = np.array(parameters.alpha)
+    value = evaluate(rho_d, rho_s, alpha, omega_i, omega_o, parameters.variant)
+    image = np.zeros((size, size, 3))
+    image[on_sphere] = np.pi * value * np.clip(omega_i[:, 2:], 0, None)
+    return image
+
+
+def tone_map(linear: Image, exposure: float = 1.0) -> NDArray[np.uint8]:
+    """8-bit sRGB of linear radiance, clipped at white."""
+    encoded: NDArray[np.float64] = encode(linear * exposure)
+    return np.round(encoded * 255).astype(np.uint8)
+
+
+def _sphere_normals(size: int) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """World normals (P, 3) of the pixels on the sphere, and where they are (size, size)."""
+    across = (np.arange(size) + 0.5) * 2 / size - 1
+    x, down = np.meshgrid(across, across)
+    squared = (x**2 + down**2) / 0.95**2
+    on_sphere = squared < 1
+    towards = np.sqrt(1 - squared[on_sphere])
+    return np.stack([x[on_sphere] / 0.95, -towards, -down[on_sphere] / 0.95], axis=-1), on_sphere
+
+
+def _background_directions(size: int) -> NDArray[np.float64]:
+    """Directions (size, size, 3) of a 60 degree view past the sphere, along +y."""
+    across = ((np.arange(size) + 0.5) * 2 / size - 1) * np.tan(np.radians(30))
+    x, down = np.meshgrid(across, across)
+    rays = np.stack([x, np.ones_like(x), -down], axis=-1)
+    directions: NDArray[np.float64] = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
+    return directions
+
+
+def _local_frames(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(P, 3, 3) rotations from world to local frames with +z on the normal."""
+    helper = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]])
+    tangent = np.cross(helper, normals)
+    tangent /= np.linalg.norm(tangent, axis=-1, keepdims=True)
+    return np.stack([tangent, np.cross(normals, tangent), normals], axis=1)
+
+
+def _shifted_strata(pixels: int) -> NDArray[np.float64]:
+    """(P, SAMPLES^2, 2) stratified points, shifted differently in each pixel."""
+    middle = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    grid = np.stack(np.meshgrid(middle, middle, indexing="ij"), axis=-1).reshape(1, -1, 2)
+    shift = np.random.default_rng(0).random((pixels, 1, 2)) / SAMPLES
+    shifted: NDArray[np.float64] = (grid + shift) % 1.0
+    return shifted
