@@ -1,0 +1,1 @@
+"""The Ward BRDF, its perceptual twin Lab/c,d, and the losses on both."""

@@ -63,7 +63,7 @@ class HalfAngleQuadrature:
 
 def _midpoints(low: float, high: float, count: int) -> tuple[NDArray[np.float64], float]:
     width = (high - low) / count
-    middle: NDArray[np.float64] = low + (np.arange(count) + 0.5) * width
+    middle = np.linspace(low + width / 2, high - width / 2, count, dtype=np.float64)
     return middle, width
 
 

@@ -1,0 +1,1 @@
+"""Store in, estimate out; and the scanner that node and replay share."""

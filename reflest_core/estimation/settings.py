@@ -25,7 +25,8 @@ class EstimationSettings:
         10, "With fewer observed voxels there is no estimate.", minimum=1, maximum=1000
     )
     low_coverage: float = parameter(
-        0.15, "Below this share of each voxel's view directions an estimate is marked LOW_COVERAGE.",
+        0.15,
+        "Below this share of each voxel's view directions an estimate is marked LOW_COVERAGE.",
         minimum=0.0, maximum=1.0,
     )  # fmt: skip
 
@@ -74,7 +75,7 @@ class ReflestSettings:
 
 
 def with_values(group: Any, given: dict[str, Any], group_name: str) -> Any:
-    """A copy of the settings dataclass ``group`` with ``given`` values, checked for type and range."""
+    """A copy of the settings ``group`` with ``given`` values, checked for type and range."""
     if not isinstance(given, dict):
         raise ParameterError(f"{group_name} must hold names and values, not {given!r}")
     changes: dict[str, Any] = {}

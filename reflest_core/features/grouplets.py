@@ -32,10 +32,10 @@ class Grouplets:
 def draw_grouplets(
     surface: ObservedSurface, voxels: NDArray[np.int64], seed: int, nodes: int = NODES_PER_VOXEL
 ) -> Grouplets:
-    """Draw ``nodes`` grouplets from each of the ``voxels`` (N,), with at least one observation each.
+    """Draw ``nodes`` grouplets from each of the ``voxels`` (N,), all of them observed.
 
-    Observations are drawn without replacement where a voxel has five or more, else with. An unknown
-    F or B (NaN) enters as 0. The same seed draws the same grouplets.
+    Observations are drawn without replacement where a voxel has five or more, else with. An
+    unknown F or B (NaN) enters as 0. The same seed draws the same grouplets.
     """
     branches = np.empty((len(voxels) * nodes, BRANCHES, BRANCH_INPUTS), np.float32)
     normals = np.repeat(surface.normals[voxels], nodes, axis=0)

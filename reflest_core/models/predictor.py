@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -41,7 +42,9 @@ MODELS = {
 class SurfaceNetwork(Protocol):
     """A network with the features that it eats."""
 
-    module: torch.nn.Module
+    @property
+    def module(self) -> torch.nn.Module:
+        """The trained part."""
 
     def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> torch.Tensor:
         """(5,) z-scores of the surface, seen at ``voxels`` (N,)."""
@@ -74,7 +77,7 @@ class GroupletOnSurface:
         return scores
 
 
-NETWORKS: dict[str, type[HemiCNNOnSurface] | type[GroupletOnSurface]] = {
+NETWORKS: dict[str, Callable[[], SurfaceNetwork]] = {
     "hemicnn": HemiCNNOnSurface,
     "grouplet": GroupletOnSurface,
 }
@@ -89,7 +92,7 @@ class Prediction:
 
 
 class Predictor:
-    """A trained network that is ready to look at surfaces; safe to use from one thread at a time."""
+    """A trained network ready to look at surfaces, from one thread at a time."""
 
     def __init__(self, model: str, weights: Path | None = None) -> None:
         """Load ``model`` (a key of :data:`MODELS`) from its shipped weights or a file."""

@@ -67,9 +67,7 @@ def save_weights(path: Path, tensors: Tensors, card: WeightsCard, eight_bit: boo
 def load_weights(path: Path) -> tuple[Tensors, WeightsCard, str]:
     """Float32 tensors, the card and the checked hash (hex); :class:`WeightsError` otherwise."""
     if not path.is_file():
-        raise WeightsError(
-            f"there is no weight file {path}; name one of the shipped models or a file"
-        )
+        raise WeightsError(f"there is no weight file {path}; correct estimation.weights")
     try:
         with safe_open(path, framework="pt") as file:
             metadata = file.metadata() or {}
@@ -88,7 +86,7 @@ def load_weights(path: Path) -> tuple[Tensors, WeightsCard, str]:
 
 
 def load_into(network: torch.nn.Module, tensors: Tensors, path: Path) -> None:
-    """Put ``tensors`` into ``network``; :class:`WeightsError` names the file where they don't fit."""
+    """Put ``tensors`` into ``network``; :class:`WeightsError` where they do not fit."""
     try:
         network.load_state_dict(tensors)
     except RuntimeError as error:

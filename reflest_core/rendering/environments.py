@@ -31,7 +31,7 @@ STUDIO_LAMPS = (
 def studio(height: int = 128) -> NDArray[np.float32]:
     """Lat-long radiance (height, 2 height, 3) float32, linear sRGB; row 0 is up (+z).
 
-    Column 0 is azimuth -pi, azimuth 0 points along +x. A grey room with a warm floor and three lamps.
+    Column 0 is azimuth -pi, azimuth 0 points along +x. A grey room, a warm floor, three lamps.
     """
     elevation = math.pi / 2 - (np.arange(height) + 0.5) * math.pi / height
     azimuth = (np.arange(2 * height) + 0.5) * math.pi / height - math.pi
