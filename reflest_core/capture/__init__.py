@@ -1,0 +1,1 @@
+"""Frames from topics, bags and folders: messages matched in time, decoded and checked."""

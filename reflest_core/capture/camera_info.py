@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.capture.messages import CameraInfoMessage
@@ -19,7 +20,7 @@ FISHEYE_MODELS = ("equidistant", "fisheye", "kannala_brandt", "kannala_brandt4")
 
 @dataclass(frozen=True)
 class CalibratedCamera:
-    """Intrinsics of the published image, and the distortion that is still in it (OpenCV's order)."""
+    """Intrinsics of the published image, and the distortion still in it (OpenCV's order)."""
 
     intrinsics: CameraIntrinsics
     distortion: tuple[float, ...] = ()
@@ -63,7 +64,7 @@ def check_camera_info(
     return CalibratedCamera(intrinsics, distortion)
 
 
-def _matrix(info: CameraInfoMessage, topic: str, rectified: bool) -> np.ndarray:
+def _matrix(info: CameraInfoMessage, topic: str, rectified: bool) -> NDArray[np.float64]:
     values, count = (info.p, 12) if rectified else (info.k, 9)
     if len(values) != count:
         raise _invalid(topic, f"has {len(values)} values where {count} make a matrix")

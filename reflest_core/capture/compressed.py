@@ -103,7 +103,8 @@ def _unpack(
 
 def _unsupported(message: CompressedImageMessage, topic: str, wanted: str) -> FrameRefused:
     return FrameRefused(
-        RefusalCause.ENCODING, f"{topic} has format {message.format!r}, which is not read as {wanted}"
+        RefusalCause.ENCODING,
+        f"{topic} has format {message.format!r}, which is not read as {wanted}",
     )
 
 

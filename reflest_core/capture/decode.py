@@ -7,6 +7,7 @@ counts ``depth_scale`` metres.
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +28,7 @@ COLOUR_ENCODINGS: dict[str, tuple[int, tuple[int, int, int]]] = {
     "bgra8": (4, (2, 1, 0)),
     "mono8": (1, (0, 0, 0)),
 }
-DEPTH_ENCODINGS = {"16UC1": np.dtype(np.uint16), "32FC1": np.dtype(np.float32)}
+DEPTH_ENCODINGS = {"16UC1": np.uint16, "32FC1": np.float32}
 MASK_ENCODINGS = ("mono8", "8UC1")
 SATURATED = 65535  # in 16-bit depth: "further than I can count", or Kinect's "unknown"
 
@@ -55,16 +56,13 @@ def decode_depth(message: AnyImage, topic: str, depth_scale: float) -> NDArray[n
         FrameRefused: ENCODING, SIZE or TRUNCATED.
     """
     if isinstance(message, CompressedImageMessage):
-        raw = decode_compressed_depth(message, topic)
-        return _metres_from_units(raw, depth_scale) if raw.dtype == np.uint16 else _metres(raw)
+        return _metres(decode_compressed_depth(message, topic), depth_scale)
     if message.encoding not in DEPTH_ENCODINGS:
         raise _unsupported(message.encoding, topic, DEPTH_ENCODINGS, "depth", "--depth-topic")
-    native = DEPTH_ENCODINGS[message.encoding]
+    native = np.dtype(DEPTH_ENCODINGS[message.encoding])
     rows = _pixel_rows(message, native.itemsize, topic)
-    raw = np.ascontiguousarray(rows).view(native.newbyteorder("><"[not message.is_bigendian]))
-    if native == np.uint16:
-        return _metres_from_units(raw.astype(native), depth_scale)
-    return _metres(raw.astype(native))
+    sent = native.newbyteorder(">" if message.is_bigendian else "<")
+    return _metres(np.ascontiguousarray(rows).view(sent).astype(native), depth_scale)
 
 
 def decode_mask(message: AnyImage, topic: str) -> NDArray[np.bool_]:
@@ -74,14 +72,14 @@ def decode_mask(message: AnyImage, topic: str) -> NDArray[np.bool_]:
         FrameRefused: ENCODING, SIZE or TRUNCATED.
     """
     if isinstance(message, CompressedImageMessage):
-        return decode_compressed_mask(message, topic) != 0
+        return np.not_equal(decode_compressed_mask(message, topic), 0)
     if message.encoding not in MASK_ENCODINGS:
         raise _unsupported(message.encoding, topic, MASK_ENCODINGS, "mask", "--mask-topic")
-    return _pixel_rows(message, 1, topic) != 0
+    return np.not_equal(_pixel_rows(message, 1, topic), 0)
 
 
 def _unsupported(
-    encoding: str, topic: str, supported: dict[str, object] | tuple[str, ...], kind: str, knob: str
+    encoding: str, topic: str, supported: Iterable[str], kind: str, knob: str
 ) -> FrameRefused:
     return FrameRefused(
         RefusalCause.ENCODING,
@@ -118,9 +116,9 @@ def _metres_by_unit(depth_scale: float) -> NDArray[np.float32]:
     return table
 
 
-def _metres_from_units(raw: NDArray[np.uint16], depth_scale: float) -> NDArray[np.float32]:
-    return _metres_by_unit(depth_scale)[raw]
-
-
-def _metres(raw: NDArray[np.float32]) -> NDArray[np.float32]:
-    return np.where(np.isfinite(raw) & (raw > 0.0), raw, np.float32(0.0))
+def _metres(
+    raw: NDArray[np.uint16] | NDArray[np.float32], depth_scale: float
+) -> NDArray[np.float32]:
+    if raw.dtype == np.uint16:
+        return _metres_by_unit(depth_scale)[raw]
+    return np.where(np.isfinite(raw) & (raw > 0.0), raw, 0.0).astype(np.float32)

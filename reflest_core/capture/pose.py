@@ -1,4 +1,4 @@
-"""Poses as matrices: checked, normalised, interpolated; a bad one is refused, never the identity."""
+"""Poses as matrices: checked, normalised, interpolated; a bad one never becomes the identity."""
 
 from __future__ import annotations
 

@@ -32,9 +32,9 @@ class Rectifier:
 
     def mask(self, mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Return (H, W) bool, nearest neighbour; False outside."""
-        return self._nearest(mask.astype(np.uint8)) != 0
+        return np.asarray(self._nearest(mask.astype(np.uint8)), dtype=np.bool_)
 
-    def _nearest(self, image: NDArray[np.generic]) -> NDArray[np.generic]:
+    def _nearest(self, image: NDArray[np.uint8] | NDArray[np.float32]) -> NDArray[np.generic]:
         return cv2.remap(
             image, self._columns, self._rows, cv2.INTER_NEAREST,
             borderMode=cv2.BORDER_CONSTANT, borderValue=0,

@@ -1,0 +1,49 @@
+"""What every kind of bag file offers: its topics, its raw messages, and how far it can be read."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+
+class RawMessage(NamedTuple):
+    """One recorded message, still in CDR."""
+
+    topic: str
+    message_type: str
+    log_time_ns: int
+    cdr: bytes
+
+
+@dataclass(frozen=True)
+class BagTopic:
+    """A recorded topic; ``count`` is None where the file does not say."""
+
+    name: str
+    message_type: str
+    count: int | None
+
+
+class BagFile(Protocol):
+    """An open bag file. ``damage`` is a sentence once damage was met, else None."""
+
+    damage: str | None
+
+    @property
+    def topics(self) -> list[BagTopic]:
+        """All recorded topics."""
+        ...
+
+    def messages(self, topics: Collection[str]) -> Iterator[RawMessage]:
+        """Yield the messages of some topics in recorded order, up to the end or the damage."""
+        ...
+
+
+def damage_sentence(name: str, why: object, first_ns: int | None, last_ns: int | None) -> str:
+    """Say how far a damaged file could be read."""
+    reason = str(why) or type(why).__name__
+    if first_ns is None or last_ns is None:
+        return f"{name} is damaged ({reason}) before its first message"
+    seconds = (last_ns - first_ns) / 1e9
+    return f"{name} is damaged ({reason}): only its first {seconds:.2f} s could be read"

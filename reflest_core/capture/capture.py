@@ -1,0 +1,91 @@
+"""A recorded capture: iterate over it once to get its frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import Protocol
+
+from reflest_core.capture.assembler import FrameAssembler, RefusalListener
+from reflest_core.capture.frame import Frame
+from reflest_core.capture.messages import Role, SensorMessage
+from reflest_core.capture.refusal import FrameRefused, RefusalLog
+from reflest_core.capture.settings import CaptureSettings
+
+
+class MessageSource(Protocol):
+    """What a capture is read from: messages of each role in recorded order."""
+
+    @property
+    def name(self) -> str:
+        """The path as the user gave it."""
+        ...
+
+    @property
+    def topics(self) -> Mapping[Role, str]:
+        """What to call each role's stream in a sentence."""
+        ...
+
+    @property
+    def rgb_total(self) -> int | None:
+        """Number of colour images, None if unknown."""
+        ...
+
+    @property
+    def depth_scale(self) -> float | None:
+        """Metres in one unit of 16-bit depth where the format fixes it, else None."""
+        ...
+
+    @property
+    def damage(self) -> str | None:
+        """A sentence on what could not be read, as far as is known by now; else None."""
+        ...
+
+    def messages(
+        self, refuse: Callable[[FrameRefused], None]
+    ) -> Iterator[tuple[Role, SensorMessage]]:
+        """Yield every message; those that cannot be decoded go to ``refuse``."""
+        ...
+
+
+class Capture:
+    """Frames of one recording, with what was refused on the way.
+
+    ``frame_total`` is the number of colour images, None if unknown; ``frames_seen`` counts those
+    that were read so far, used or not.
+    """
+
+    def __init__(
+        self,
+        source: MessageSource,
+        settings: CaptureSettings,
+        on_refusal: RefusalListener | None = None,
+    ) -> None:
+        if source.depth_scale is not None:
+            settings = replace(settings, depth_scale=source.depth_scale)
+        self._source = source
+        self._assembler = FrameAssembler(settings, source.topics, on_refusal)
+        self.name = source.name
+        self.frame_total = source.rgb_total
+        self.frames_seen = 0
+
+    @property
+    def refusals(self) -> RefusalLog:
+        """Refusals so far, by cause."""
+        return self._assembler.refusals
+
+    @property
+    def damage(self) -> str | None:
+        """A sentence on how far a damaged recording could be read; else None."""
+        return self._source.damage
+
+    def refuse(self, refusal: FrameRefused) -> None:
+        """Count a frame that a later stage refused."""
+        self._assembler.refuse(refusal)
+
+    def __iter__(self) -> Iterator[Frame]:
+        """Yield the frames in stamp order."""
+        for role, message in self._source.messages(self._assembler.refuse):
+            self.frames_seen += role is Role.RGB
+            yield from self._assembler.add(role, message)
+        yield from self._assembler.flush()
