@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.brdf.gloss import labcd_to_ward, ward_to_labcd
+from reflest_core.brdf.gloss import ward_to_labcd
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.features.coverage import hemisphere_coverage
 from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.models.predictor import Prediction, Predictor
+from reflest_core.models.predictor import Predictor
 
 SMALLEST_ALPHA = 0.001
 """The roughness of the glossiest OpenSurfaces material (``doi`` = 15)."""
@@ -42,7 +42,7 @@ class Estimator:
                 "interest and fusion.max_depth"
             )
         prediction = self.predictor.predict(surface)
-        ward = physical_ward(self._as_ward(prediction))
+        ward = physical_ward(prediction.ward)
         red, green, blue, rho_s, alpha = ward.tolist()
         lightness, a, b, c, d = ward_to_labcd(ward).tolist()
         coverage = hemisphere_coverage(surface, prediction.voxels)
@@ -66,12 +66,6 @@ class Estimator:
             status=status,
             status_text=status_text,
         )
-
-    def _as_ward(self, prediction: Prediction) -> NDArray[np.float64]:
-        if self.predictor.card.parameters == "labcd":
-            ward: NDArray[np.float64] = labcd_to_ward(prediction.values)
-            return ward
-        return prediction.values
 
     def _judge(self, coverage: float, voxels: int) -> tuple[EstimateStatus, str]:
         if voxels < self.predictor.voxels:

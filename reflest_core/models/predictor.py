@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from reflest_core.features.grouplets import draw_grouplets
-from reflest_core.features.hemisphere import hemisphere_images
+from reflest_core.brdf.gloss import labcd_to_ward
 from reflest_core.features.voxel_choice import choose_voxels
 from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.models.grouplet import FAST_VOXELS, SLOW_VOXELS, Grouplet
-from reflest_core.models.hemicnn import VOXELS, HemiCNN
+from reflest_core.models.grouplet import FAST_VOXELS, SLOW_VOXELS
+from reflest_core.models.hemicnn import VOXELS
+from reflest_core.models.network_kind import NETWORKS, FeatureDraw
 from reflest_core.models.weights import SHIPPED, WeightsError, load_into, load_weights
 
-GROUPLET_SEED = 0
+FIXED_DRAW = FeatureDraw(seed=0)
 """Grouplets are drawn at random but always alike, so that an estimate repeats bit for bit."""
 
 
@@ -39,55 +37,13 @@ MODELS = {
 }
 
 
-class SurfaceNetwork(Protocol):
-    """A network with the features that it eats."""
-
-    @property
-    def module(self) -> torch.nn.Module:
-        """The trained part."""
-
-    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> torch.Tensor:
-        """(5,) z-scores of the surface, seen at ``voxels`` (N,)."""
-
-
-class HemiCNNOnSurface:
-    """HemiCNN with hemisphere images."""
-
-    def __init__(self) -> None:
-        self.module = HemiCNN()
-
-    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> torch.Tensor:
-        """(5,) z-scores."""
-        images = torch.from_numpy(hemisphere_images(surface, voxels))
-        scores: torch.Tensor = self.module(images[None])[0]
-        return scores
-
-
-class GroupletOnSurface:
-    """Grouplet with ten nodes of each voxel."""
-
-    def __init__(self) -> None:
-        self.module = Grouplet()
-
-    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> torch.Tensor:
-        """(5,) z-scores."""
-        drawn = draw_grouplets(surface, voxels, GROUPLET_SEED)
-        branches, normals = torch.from_numpy(drawn.branches), torch.from_numpy(drawn.normals)
-        scores: torch.Tensor = self.module(branches[None], normals[None])[0]
-        return scores
-
-
-NETWORKS: dict[str, Callable[[], SurfaceNetwork]] = {
-    "hemicnn": HemiCNNOnSurface,
-    "grouplet": GroupletOnSurface,
-}
-
-
 @dataclass(frozen=True)
 class Prediction:
-    """``values`` (5,) float64 in the card's parameters; ``voxels`` (N,) that they rest on."""
+    """``ward``: (5,) float64 ``rho_d`` (3), ``rho_s``, ``alpha``, as the network gave them, not
+    clipped to physical values. ``voxels``: (N,) that they rest on.
+    """
 
-    values: NDArray[np.float64]
+    ward: NDArray[np.float64]
     voxels: NDArray[np.int64]
 
 
@@ -104,9 +60,10 @@ class Predictor:
                 f"{path} holds a {self.card.network} network; set the model to one that uses it, "
                 f"not {model}"
             )
-        self.network: SurfaceNetwork = NETWORKS[choice.network]()
-        load_into(self.network.module, tensors, path)
-        self.network.module.eval()
+        self.kind = NETWORKS[choice.network]
+        self.module = self.kind.make()
+        load_into(self.module, tensors, path)
+        self.module.eval()
         self.voxels = choice.voxels
         self.model_id = f"{model}/{digest[:12]}"
 
@@ -114,6 +71,8 @@ class Predictor:
         """Estimate from the surface's chosen voxels; it needs at least one observed voxel."""
         voxels = choose_voxels(surface, self.voxels)
         with torch.inference_mode():
-            scores = self.network.scores(surface, voxels)
-        values = self.card.statistics.restore(scores.double().numpy())
-        return Prediction(values, voxels)
+            inputs = self.kind.features(surface, voxels, FIXED_DRAW)
+            scores = self.module(*(tensor[None] for tensor in inputs))[0]
+        values = self.card.output_statistics.restore(scores.double().numpy())
+        ward = labcd_to_ward(values) if self.card.parameters == "labcd" else values
+        return Prediction(ward, voxels)

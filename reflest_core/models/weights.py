@@ -32,14 +32,20 @@ class WeightsCard:
     """What a network's outputs mean and how it came to be.
 
     ``network``: ``hemicnn`` or ``grouplet``. ``parameters``: ``ward`` or ``labcd``, the meaning of
-    the five outputs after ``statistics`` undo the z-score. ``recipe``: data, loss, optimiser, seed.
+    the five outputs after their z-score is undone. ``statistics``: the training set's, for both
+    parameterisations. ``recipe``: data, loss, optimiser, seed.
     """
 
     network: str
     parameters: str
     variant: WardVariant
-    statistics: ParameterStatistics
+    statistics: dict[str, ParameterStatistics]
     recipe: dict[str, Any]
+
+    @property
+    def output_statistics(self) -> ParameterStatistics:
+        """The statistics by which the network's outputs are z-scored."""
+        return self.statistics[self.parameters]
 
 
 def save_weights(path: Path, tensors: Tensors, card: WeightsCard, eight_bit: bool) -> None:
@@ -52,8 +58,10 @@ def save_weights(path: Path, tensors: Tensors, card: WeightsCard, eight_bit: boo
             "network": card.network,
             "parameters": card.parameters,
             "variant": card.variant.value,
-            "mean": card.statistics.mean.tolist(),
-            "stddev": card.statistics.stddev.tolist(),
+            "statistics": {
+                name: {"mean": known.mean.tolist(), "stddev": known.stddev.tolist()}
+                for name, known in card.statistics.items()
+            },
             "recipe": card.recipe,
         },
         sort_keys=True,
@@ -105,7 +113,10 @@ def content_hash(stored: Tensors, card: str) -> str:
 
 def _read_card(described: str) -> WeightsCard:
     card = json.loads(described)
-    statistics = ParameterStatistics(np.array(card["mean"]), np.array(card["stddev"]))
+    statistics = {
+        name: ParameterStatistics(np.array(known["mean"]), np.array(known["stddev"]))
+        for name, known in card["statistics"].items()
+    }
     return WeightsCard(
         card["network"],
         card["parameters"],

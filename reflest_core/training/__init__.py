@@ -1,0 +1,1 @@
+"""Training the networks on SynBRDF and measuring what they reach. Not on the live path."""

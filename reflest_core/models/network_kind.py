@@ -1,0 +1,56 @@
+"""The two networks, each with the features that it eats; shared by training and estimation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from reflest_core.features.grouplets import draw_grouplets
+from reflest_core.features.hemisphere import hemisphere_images
+from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.models.grouplet import Grouplet
+from reflest_core.models.hemicnn import HemiCNN
+
+Inputs = tuple[torch.Tensor, ...]
+
+
+@dataclass(frozen=True)
+class FeatureDraw:
+    """What is random: the grouplets' ``seed``, and a turn of all azimuths in radians."""
+
+    seed: int
+    azimuth: float = 0.0
+
+
+@dataclass(frozen=True)
+class NetworkKind:
+    """``features`` of a surface at chosen voxels are the arguments of ``make()``, unbatched."""
+
+    make: Callable[[], torch.nn.Module]
+    features: Callable[[ObservedSurface, NDArray[np.int64], FeatureDraw], Inputs]
+
+
+def hemicnn_features(
+    surface: ObservedSurface, voxels: NDArray[np.int64], draw: FeatureDraw
+) -> Inputs:
+    """Hemisphere images (N, 3, 10, 10)."""
+    azimuths = np.full(len(voxels), draw.azimuth)
+    return (torch.from_numpy(hemisphere_images(surface, voxels, azimuths)),)
+
+
+def grouplet_features(
+    surface: ObservedSurface, voxels: NDArray[np.int64], draw: FeatureDraw
+) -> Inputs:
+    """Branches (10 N, 5, 12) and normals (10 N, 3)."""
+    drawn = draw_grouplets(surface, voxels, draw.seed)
+    return torch.from_numpy(drawn.branches), torch.from_numpy(drawn.normals)
+
+
+NETWORKS = {
+    "hemicnn": NetworkKind(HemiCNN, hemicnn_features),
+    "grouplet": NetworkKind(Grouplet, grouplet_features),
+}

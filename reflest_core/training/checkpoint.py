@@ -1,0 +1,45 @@
+"""Checkpoints: a killed training goes on where it was and ends with the same weights."""
+
+from __future__ import annotations
+
+import os
+import pickle
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from reflest_core.training.recipe import Recipe
+from reflest_core.training.sample import TrainingError
+
+
+@dataclass
+class Checkpoint:
+    """``minibatch``: how many are done. ``best``: weights of the lowest validation RMSE."""
+
+    minibatch: int
+    module: dict[str, torch.Tensor]
+    optimiser: dict[str, Any]
+    best: dict[str, torch.Tensor]
+    best_rmse: float
+
+
+def save_checkpoint(path: Path, checkpoint: Checkpoint, recipe: Recipe) -> None:
+    """Write atomically."""
+    temporary = path.with_suffix(".partial")
+    torch.save({**vars(checkpoint), "recipe": recipe.describe()}, temporary)
+    os.replace(temporary, path)
+
+
+def load_checkpoint(path: Path, recipe: Recipe) -> Checkpoint | None:
+    """The checkpoint at ``path``, or None; :class:`TrainingError` if it is of another recipe."""
+    if not path.exists():
+        return None
+    try:
+        stored = torch.load(path, weights_only=True)
+    except (RuntimeError, EOFError, OSError, pickle.UnpicklingError) as error:
+        raise TrainingError(f"{path} is damaged ({error}); delete it to start again") from error
+    if stored.pop("recipe") != recipe.describe():
+        raise TrainingError(f"{path} belongs to another recipe; use another --out or delete it")
+    return Checkpoint(**stored)

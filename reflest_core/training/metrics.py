@@ -1,0 +1,39 @@
+"""The headline figure: RMSE of z-scored parameters; 1.0 is guessing the mean (Tables 2 and 3)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.models.normalisation import ParameterStatistics
+
+
+@dataclass(frozen=True)
+class NormalisedRmse:
+    """``overall``: over parameters and scenes. ``per_parameter``: (5,).
+
+    ``scene_mean``, ``scene_median``, ``scene_p95``: of each scene's RMSE over its parameters.
+    """
+
+    overall: float
+    per_parameter: NDArray[np.float64]
+    scene_mean: float
+    scene_median: float
+    scene_p95: float
+
+
+def normalised_rmse(
+    estimates: NDArray[np.float64], truths: NDArray[np.float64], statistics: ParameterStatistics
+) -> NormalisedRmse:
+    """Of (S, 5) estimates against truths, z-scored with the *training* set's statistics."""
+    errors = statistics.normalise(estimates) - statistics.normalise(truths)
+    scenes = np.sqrt((errors**2).mean(axis=1))
+    return NormalisedRmse(
+        overall=float(np.sqrt((errors**2).mean())),
+        per_parameter=np.sqrt((errors**2).mean(axis=0)),
+        scene_mean=float(scenes.mean()),
+        scene_median=float(np.median(scenes)),
+        scene_p95=float(np.percentile(scenes, 95)),
+    )
