@@ -1,0 +1,193 @@
+"""The thread that owns the scan: messages in, keyframes out, and services between two frames."""
+
+from __future__ import annotations
+
+import queue
+import time
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+from reflest_core.capture.assembler import FrameAssembler
+from reflest_core.capture.frame import Frame
+from reflest_core.capture.messages import Role, SensorMessage
+from reflest_core.capture.refusal import FrameRefused, RefusalCause
+from reflest_core.errors import ReflestError
+from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
+from reflest_ros.worker_thread import worker_thread
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Keyframe:
+    """A snapshot to estimate from; ``arrival`` is when its image came, ``time.monotonic``."""
+
+    snapshot: KeyframeSnapshot
+    arrival: float
+
+
+@dataclass
+class FusionCounts:
+    """What fusion did so far; written by the worker, read by the diagnostics."""
+
+    messages: dict[Role, int] = field(default_factory=lambda: dict.fromkeys(Role, 0))
+    matched: int = 0
+    fused: int = 0
+    keyframes: int = 0
+    dropped: int = 0
+    voxels: int = 0
+    observations: int = 0
+    views: int = 0
+    nbytes: int = 0
+
+
+@dataclass(frozen=True)
+class _Arrived:
+    role: Role
+    message: SensorMessage
+    at: float
+
+
+@dataclass(frozen=True)
+class _Job:
+    work: Callable[[], Any]
+    future: Future[Any]
+
+    def run(self) -> None:
+        try:
+            self.future.set_result(self.work())
+        except Exception as error:  # raised again by the future's result(), where it is handled
+            self.future.set_exception(error)
+
+
+class FusionWorker:
+    """Takes messages from the callbacks and drives the assembler and the scanner, alone.
+
+    ``settle_after``: seconds without a message after which waiting frames are settled.
+    """
+
+    def __init__(
+        self,
+        assembler: FrameAssembler,
+        scanner: Scanner,
+        on_keyframe: Callable[[Keyframe], None],
+        on_crash: Callable[[BaseException], None],
+        queue_size: int,
+        settle_after: float,
+    ) -> None:
+        self.counts = FusionCounts()
+        self._assembler = assembler
+        self._scanner = scanner
+        self._on_keyframe = on_keyframe
+        self._queue_size = queue_size
+        self._settle_after = settle_after
+        self._queue: queue.SimpleQueue[_Arrived | _Job | None] = queue.SimpleQueue()
+        self._arrivals: dict[int, float] = {}
+        self._reported_drops = 0
+        self._last_frame_id = ""
+        self._is_stopping = False
+        self._thread = worker_thread("fusion", self._run, on_crash)
+
+    @property
+    def waiting(self) -> int:
+        """Messages and jobs in the queue."""
+        return self._queue.qsize()
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the thread after the frame in hand; what waits is dropped."""
+        self._is_stopping = True
+        self._queue.put(None)
+        self._thread.join()
+        while not self._queue.empty():
+            item = self._queue.get()
+            if isinstance(item, _Job):
+                item.future.set_exception(ReflestError("the estimator is shutting down"))
+
+    def offer(self, role: Role, message: SensorMessage) -> None:
+        """Queue a message, or count it as dropped where the queue is full."""
+        self.counts.messages[role] += 1
+        if self._queue.qsize() >= self._queue_size:
+            self.counts.dropped += 1
+        else:
+            self._queue.put(_Arrived(role, message, time.monotonic()))
+
+    def call(self, work: Callable[[], T]) -> Future[T]:
+        """Run ``work`` in this thread after all that was queued before it."""
+        future: Future[T] = Future()
+        self._queue.put(_Job(work, future))
+        return future
+
+    def snapshot(self) -> KeyframeSnapshot:
+        """Settle what waits and copy the scan; to be run through :meth:`call`."""
+        self._fuse(self._assembler.flush())
+        stamp_ns = self._scanner.scan.last_stamp_ns or 0
+        return self._scanner.snapshot(stamp_ns, self._last_frame_id)
+
+    def reset(self) -> None:
+        """Forget the scan and the waiting messages; to be run through :meth:`call`."""
+        self._assembler.reset()
+        self._scanner.reset()
+        self._arrivals.clear()
+        self.count_store()
+
+    def _run(self) -> None:
+        while not self._is_stopping:
+            try:
+                item = self._queue.get(timeout=self._settle_after)
+            except queue.Empty:
+                self._fuse(self._assembler.flush())
+                item = self._queue.get()
+            if isinstance(item, _Job):
+                item.run()
+            elif item is not None and not self._is_stopping:
+                self._take(item)
+
+    def _take(self, arrived: _Arrived) -> None:
+        if arrived.role is Role.RGB:
+            self._arrivals[arrived.message.stamp_ns] = arrived.at
+        self._report_drops()
+        self._fuse(self._assembler.add(arrived.role, arrived.message))
+
+    def _fuse(self, frames: list[Frame]) -> None:
+        for frame in frames:
+            self.counts.matched += 1
+            arrival = self._arrivals.pop(frame.stamp_ns)
+            self._arrivals = {k: v for k, v in self._arrivals.items() if k > frame.stamp_ns}
+            try:
+                scanned = self._scanner.fuse(frame)
+            except FrameRefused as refusal:
+                self._assembler.refuse(refusal)
+                continue
+            self._last_frame_id = frame.frame_id
+            self.counts.fused += 1
+            self.count_store()
+            if scanned.keyframe is not None:
+                self.counts.keyframes += 1
+                self._on_keyframe(Keyframe(scanned.keyframe, arrival))
+
+    def count_store(self) -> None:
+        """Bring the store's counts up to date; to be run in this thread."""
+        scan = self._scanner.scan
+        self.counts.voxels = scan.voxel_count
+        self.counts.observations = scan.observation_count
+        self.counts.views = scan.view_count
+        self.counts.nbytes = scan.nbytes
+
+    def _report_drops(self) -> None:
+        while self._reported_drops < self.counts.dropped:
+            self._reported_drops += 1
+            self._assembler.refuse(
+                FrameRefused(
+                    RefusalCause.QUEUE_FULL,
+                    f"fusion is slower than the input: {self._queue_size} messages waited and a "
+                    "further one was dropped; raise fusion.voxel_size, lower the camera's rate or "
+                    "raise input.queue_size",
+                )
+            )
+

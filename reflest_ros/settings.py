@@ -1,0 +1,61 @@
+"""What a user can turn in the node beside the core's settings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from reflest_core.parameter import check_parameters, parameter
+
+
+@dataclass(frozen=True)
+class TopicSettings:
+    """Where the inputs come from, unless ``rgb``, ``depth``, ... are remapped."""
+
+    rgb: str = parameter("camera/color/image_raw", "Colour images.")
+    depth: str = parameter(
+        "camera/aligned_depth_to_color/image_raw", "Depth images, registered to the colour images."
+    )
+    camera_info: str = parameter("camera/color/camera_info", "Calibration of the colour camera.")
+    pose: str = parameter("camera/pose", "Poses of the camera in the world frame (PoseStamped).")
+    mask: str = parameter("camera/mask", "Masks of the scanned object, with capture.use_mask.")
+
+    def __post_init__(self) -> None:
+        check_parameters(self)
+
+
+@dataclass(frozen=True)
+class InputSettings:
+    """How the inputs are received."""
+
+    reliability: str = parameter(
+        "best_effort",
+        "Reliability asked of publishers. best_effort receives from every publisher; reliable "
+        "loses nothing, and receives from reliable publishers only.",
+        choices=("best_effort", "reliable"),
+    )
+    queue_size: int = parameter(
+        200, "Messages that may wait for fusion; further ones are dropped and counted.",
+        minimum=4, maximum=100000,
+    )  # fmt: skip
+    silence: float = parameter(
+        5.0, "A topic without a message for this long is named in a warning.",
+        unit="s", minimum=0.1, maximum=3600.0,
+    )  # fmt: skip
+    settle: float = parameter(
+        0.5, "After this long without a message, frames that wait for later messages are settled.",
+        unit="s", minimum=0.01, maximum=60.0,
+    )  # fmt: skip
+    diagnostics_period: float = parameter(
+        1.0, "Time between two messages on /diagnostics.", unit="s", minimum=0.02, maximum=60.0
+    )
+
+    def __post_init__(self) -> None:
+        check_parameters(self)
+
+
+@dataclass(frozen=True)
+class NodeSettings:
+    """The node's own groups of parameters."""
+
+    topics: TopicSettings = field(default_factory=TopicSettings)
+    input: InputSettings = field(default_factory=InputSettings)
