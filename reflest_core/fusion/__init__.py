@@ -1,0 +1,1 @@
+"""From frames to the observed surface: TSDF volume, voxel observation store, F and B."""

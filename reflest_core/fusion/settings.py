@@ -14,6 +14,10 @@ class FusionSettings:
     voxel_size: float = parameter(
         0.005, "Edge of a TSDF voxel.", unit="m", minimum=0.001, maximum=0.1
     )
+    truncation: float = parameter(
+        4.0, "Distance from the surface at which the signed distance is cut off.",
+        unit="voxels", minimum=2.0, maximum=16.0,
+    )  # fmt: skip
     max_depth: float = parameter(
         3.0, "Depth beyond this is background.", unit="m", minimum=0.1, maximum=20.0
     )
@@ -25,12 +29,18 @@ class FusionSettings:
     )
     view_spacing: float = parameter(
         2.0,
-        "A frame seen from closer than this angle to a stored view (about the scene) adds no view.",
+        "A frame seen from closer than this angle to a stored view (about the scene) adds no view"
+        " unless it shows new surface.",
         unit="degrees", minimum=0.0, maximum=45.0,
     )  # fmt: skip
     max_grazing_angle: float = parameter(
         75.0, "A view further from the normal than this does not see a voxel.",
         unit="degrees", minimum=10.0, maximum=89.0,
+    )  # fmt: skip
+
+    depth_edge_margin: int = parameter(
+        2, "Pixels this close to a depth edge give no colour and no surface.",
+        unit="pixels", minimum=1, maximum=20,
     )  # fmt: skip
 
     def __post_init__(self) -> None:

@@ -1,0 +1,46 @@
+"""When an estimate is due: the camera moved, turned, or enough image time passed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.fusion.settings import KeyframeSettings
+
+
+class KeyframePolicy:
+    """Remembers the last keyframe; the first frame it is asked about is one."""
+
+    def __init__(self, settings: KeyframeSettings) -> None:
+        self.settings = settings
+        self._last: tuple[int, NDArray[np.float64]] | None = None
+
+    def is_keyframe(self, stamp_ns: int, T_world_camera: NDArray[np.float64]) -> bool:
+        """Whether this frame is a keyframe; if so, it becomes the last one."""
+        if self._last is not None:
+            last_stamp_ns, last = self._last
+            moved = float(np.linalg.norm(T_world_camera[:3, 3] - last[:3, 3]))
+            turned = rotation_angle(last[:3, :3].T @ T_world_camera[:3, :3])
+            waited = (stamp_ns - last_stamp_ns) * 1e-9
+            if (
+                moved < self.settings.translation
+                and turned < self.settings.rotation
+                and waited < self.settings.interval
+            ):
+                return False
+        self._last = (stamp_ns, T_world_camera.copy())
+        return True
+
+    def reset(self) -> None:
+        """Forget the last keyframe."""
+        self._last = None
+
+
+def rotation_angle(rotation: NDArray[np.float64]) -> float:
+    """Degrees in [0, 180] by which a (3, 3) rotation turns."""
+    skew = rotation - rotation.T
+    sine = 0.5 * math.sqrt(skew[2, 1] ** 2 + skew[0, 2] ** 2 + skew[1, 0] ** 2)
+    cosine = 0.5 * (float(np.trace(rotation)) - 1.0)
+    return math.degrees(math.atan2(sine, cosine))

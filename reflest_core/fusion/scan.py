@@ -1,0 +1,214 @@
+"""A scan: frames go in, the observed surface comes out (paper, Sec. 3.1)."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.capture.frame import Frame
+from reflest_core.capture.refusal import FrameRefused, RefusalCause
+from reflest_core.errors import ReflestError
+from reflest_core.fusion.colour_statistics import foreground_background_means
+from reflest_core.fusion.foreground import SURFACE, FramePixels, classify_pixels
+from reflest_core.fusion.fused_frame import FusedFrame
+from reflest_core.fusion.memory_budget import MemoryBudget
+from reflest_core.fusion.observation_store import ObservationStore
+from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.fusion.region import Region
+from reflest_core.fusion.scan_file import ScanFileError, read_scan, restore_rows, write_scan
+from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.fusion.snapshot import observed_surface
+from reflest_core.fusion.tsdf import TsdfVolume
+from reflest_core.fusion.views import ViewTable
+from reflest_core.fusion.visibility import visible_voxels
+
+NEW_SURFACE_SHARE = 0.2
+"""A frame near a stored view is a new view if more than this share of what it sees is new."""
+
+
+class MemoryBudgetError(ReflestError):
+    """The machine cannot give what ``memory_budget_mb`` asks for."""
+
+
+class Scan:
+    """TSDF volume, voxel observation store and views of one scanned object.
+
+    Not thread-safe: fuse and snapshot from one thread. A snapshot is a copy, for any thread.
+    """
+
+    def __init__(self, fusion: FusionSettings, region: RegionSettings) -> None:
+        self.fusion = fusion
+        self.region_settings = region
+        self.region = Region.from_settings(region)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything that was scanned."""
+        budget = MemoryBudget.from_settings(self.fusion)
+        try:
+            self.volume = TsdfVolume(self.fusion.voxel_size, self.fusion.truncation, budget.blocks)
+            self.store = ObservationStore(budget.voxels, self.fusion.observations_per_voxel)
+        except MemoryError:
+            raise MemoryBudgetError(
+                f"memory_budget_mb = {self.fusion.memory_budget_mb:g} MB is more than this machine "
+                "can give: lower it"
+            ) from None
+        self.views = ViewTable(budget.views)
+        self.frame_number = 0
+        self.last_stamp_ns: int | None = None
+
+    def fuse(self, frame: Frame) -> FusedFrame:
+        """Take a frame in.
+
+        Raises :class:`FrameRefused` (``TIME_BACKWARDS``, ``DEPTH_EMPTY``, ``NO_OVERLAP``) before
+        anything has changed.
+        """
+        if self.last_stamp_ns is not None and frame.stamp_ns <= self.last_stamp_ns:
+            raise FrameRefused(
+                RefusalCause.TIME_BACKWARDS,
+                f"the image stamp {frame.stamp_ns} ns is not after the last fused one "
+                f"({self.last_stamp_ns} ns): reset the scan if the clock or the bag was restarted",
+            )
+        pixels = classify_pixels(frame, self.region, self.fusion)
+        self._check_overlap(frame, pixels)
+        self.last_stamp_ns = frame.stamp_ns
+        self.frame_number += 1
+
+        # The surface: fuse the depth, then renew what the store knows of the blocks it changed.
+        self.store.remove(self.volume.allocate(frame, pixels, self.frame_number))
+        slots = self.volume.integrate(frame, pixels, self.frame_number)
+        surface = self.volume.extract(slots)
+        self.store.move(surface.left, surface.left_to)
+        self.store.refresh(surface.keys, surface.positions, surface.normals)
+
+        # The observations: a row for each voxel that this view truly sees, then its colour.
+        foreground, background = foreground_background_means(frame.rgb, pixels.foreground)
+        seen, colours = visible_voxels(
+            surface.positions, surface.normals, frame, pixels, self.fusion
+        )
+        positions = surface.positions[seen]
+        rows = self.store.claim(
+            surface.keys[seen], positions, surface.normals[seen], self.frame_number
+        )
+        has_row = rows >= 0
+        rows, colours, positions = rows[has_row], colours[has_row], positions[has_row]
+        view, is_new_view, kept = None, False, 0
+        if len(rows):
+            near = self.views.near(
+                frame.camera_centre, positions.mean(axis=0, dtype=np.float64),
+                self.fusion.view_spacing,
+            )  # fmt: skip
+            unseen = self.store.unseen_from(rows, near)
+            is_new_view = len(near) == 0 or bool(unseen.mean() > NEW_SURFACE_SHARE)
+            view = self._add_view(frame, foreground, background) if is_new_view else int(near[0])
+            kept = self.store.observe(rows[unseen], colours[unseen], view, self.views.centres)
+        return FusedFrame(
+            frame.stamp_ns, frame.frame_id, view, is_new_view, foreground, background,
+            len(slots), len(seen), kept,
+        )  # fmt: skip
+
+    def snapshot(self) -> ObservedSurface:
+        """A copy of what has been observed, of bounded size (``snapshot.MOST_VOXELS``)."""
+        return observed_surface(self.store, self.views)
+
+    def save(self, path: Path | str) -> None:
+        """Write the scan to one file, replacing it whole or not at all."""
+        header = {
+            "fusion": dataclasses.asdict(self.fusion),
+            "region": dataclasses.asdict(self.region_settings),
+            "frame_number": self.frame_number,
+            "last_stamp_ns": self.last_stamp_ns,
+        }
+        arrays = {
+            f"{part}_{name}": array[: stage.count]
+            for part, stage in self._stages()
+            for name, array in stage.arrays.items()
+        }
+        write_scan(Path(path), header, arrays)
+
+    @classmethod
+    def load(cls, path: Path | str) -> Scan:
+        """Read a saved scan; it goes on exactly as the saved one would have.
+
+        Raises ``ScanFileError`` for a file that is missing, damaged or of another version.
+        """
+        header, arrays = read_scan(Path(path))
+        try:
+            scan = cls(
+                FusionSettings(**header["fusion"]),
+                RegionSettings(
+                    header["region"]["shape"],
+                    tuple(header["region"]["centre"]),
+                    tuple(header["region"]["size"]),
+                ),
+            )
+            counts = {
+                part: restore_rows(f"{part}_", stage.arrays, arrays)
+                for part, stage in scan._stages()
+            }
+            scan.views.count = counts["views"]
+            scan.volume.restore(counts["volume"])
+            scan.store.restore(counts["store"], counts["views"])
+            scan.frame_number = int(header["frame_number"])
+            stamp_ns = header["last_stamp_ns"]
+            scan.last_stamp_ns = None if stamp_ns is None else int(stamp_ns)
+        except (KeyError, TypeError, ValueError) as error:
+            raise ScanFileError(f"{path} is a damaged scan file: {error}: save it again") from None
+        return scan
+
+    @property
+    def voxel_count(self) -> int:
+        """Surface voxels in the store."""
+        return self.store.count
+
+    @property
+    def observation_count(self) -> int:
+        """Observations in the store."""
+        return self.store.observation_count
+
+    @property
+    def view_count(self) -> int:
+        """Stored views."""
+        return self.views.count
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes reserved by volume, store and views; at most ``memory_budget_mb``."""
+        return self.volume.nbytes + self.store.nbytes + self.views.nbytes
+
+    def _stages(self) -> tuple[tuple[str, TsdfVolume | ObservationStore | ViewTable], ...]:
+        return ("volume", self.volume), ("store", self.store), ("views", self.views)
+
+    def _check_overlap(self, frame: Frame, pixels: FramePixels) -> None:
+        if not np.any(pixels.depth):
+            raise FrameRefused(
+                RefusalCause.DEPTH_EMPTY,
+                f"the depth image at {frame.stamp_ns} ns has no valid pixel: check the depth "
+                "topic's encoding, unit and range",
+            )
+        if not np.any(pixels.use == SURFACE):
+            raise FrameRefused(RefusalCause.NO_OVERLAP, self._no_overlap_sentence(frame))
+
+    def _no_overlap_sentence(self, frame: Frame) -> str:
+        within = f"within max_depth = {self.fusion.max_depth:g} m"
+        if frame.mask is not None:
+            return f"no pixel of the mask has clear depth {within}: check the mask topic"
+        if self.region.shape:
+            return (
+                f"no depth {within} lies in the region of interest: check the region's centre "
+                "and size and the pose's frame"
+            )
+        return f"no depth lies {within}: raise max_depth or move closer"
+
+    def _add_view(
+        self,
+        frame: Frame,
+        foreground: NDArray[np.float32],
+        background: NDArray[np.float32],
+    ) -> int:
+        if self.views.is_full:
+            self.store.drop_view(self.views.oldest())
+        return self.views.put(frame.camera_centre, foreground, background, frame.stamp_ns)

@@ -1,0 +1,86 @@
+"""A scan in one file: an uncompressed .npz of plain arrays and a JSON header, without pickle."""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.errors import ReflestError
+
+FORMAT = "reflest-scan"
+VERSION = 1
+
+Arrays = dict[str, NDArray[Any]]
+
+
+class ScanFileError(ReflestError):
+    """A scan could not be written or read back."""
+
+
+def write_scan(path: Path, header: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Write beside ``path``, then rename: the file is there whole, or as it was before."""
+    text = json.dumps({"format": FORMAT, "version": VERSION, **header})
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        with partial.open("wb") as file:
+            np.savez(file, allow_pickle=False, **{"header": np.array(text), **arrays})
+            file.flush()
+            os.fsync(file.fileno())
+        partial.replace(path)
+    except OSError as error:
+        partial.unlink(missing_ok=True)
+        raise ScanFileError(f"cannot write the scan to {path}: {error.strerror or error}") from None
+
+
+def read_scan(path: Path) -> tuple[dict[str, Any], Arrays]:
+    """Return the header and the arrays.
+
+    Raises :class:`ScanFileError` for a file that is missing, damaged or of another version.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            header = json.loads(str(file["header"]))
+            if header["format"] != FORMAT:
+                raise KeyError("format")
+            version = header["version"]
+            if version != VERSION:
+                raise ScanFileError(
+                    f"{path} is a scan file of version {version}, but this reflest reads version "
+                    f"{VERSION}: scan again or use the reflest that wrote it"
+                )
+            return header, {name: file[name] for name in file.files if name != "header"}
+    except FileNotFoundError:
+        raise ScanFileError(f"there is no scan file {path}: check the path") from None
+    except (OSError, EOFError, zipfile.BadZipFile, ValueError, KeyError, TypeError, AttributeError):
+        raise ScanFileError(
+            f"{path} is not a scan that reflest saved, or it is damaged: save it again"
+        ) from None
+
+
+def restore_rows(prefix: str, targets: Mapping[str, NDArray[Any]], arrays: Arrays) -> int:
+    """Copy the arrays named ``prefix`` + name into the first rows of ``targets``; return how many.
+
+    Raises ``ValueError`` where an array is missing or does not fit.
+    """
+    counts = set()
+    for name, target in targets.items():
+        array = arrays.get(prefix + name)
+        if (
+            array is None
+            or array.dtype != target.dtype
+            or array.shape[1:] != target.shape[1:]
+            or len(array) > len(target)
+        ):
+            raise ValueError(f"array {prefix + name} is missing or does not fit")
+        target[: len(array)] = array
+        counts.add(len(array))
+    if len(counts) != 1:
+        raise ValueError(f"arrays {prefix}* differ in length")
+    return counts.pop()

@@ -1,0 +1,126 @@
+"""The truncated signed distance function: a sparse volume of 8 x 8 x 8 voxel blocks.
+
+Its arrays have a fixed capacity and never move; the operating system hands out their pages as they
+fill. When blocks run out, those unseen for longest are erased.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.capture.frame import Frame
+from reflest_core.fusion.block_allocation import allocate_blocks, pixel_stride
+from reflest_core.fusion.block_erasure import erase_blocks, surface_keys
+from reflest_core.fusion.foreground import SURFACE, FramePixels
+from reflest_core.fusion.integration import integrate_blocks
+from reflest_core.fusion.key_index import BYTES_PER_ROW, KeyIndex, are_unique_keys
+from reflest_core.fusion.surface_extraction import extract_surface
+from reflest_core.fusion.tsdf_blocks import TsdfBlocks
+from reflest_core.fusion.voxel_key import BLOCK_EDGE
+
+BYTES_PER_BLOCK = BLOCK_EDGE**3 * (4 + 2 + 1) + 8 + 8 + BYTES_PER_ROW
+
+ERASED_SHARE = 8
+"""Room is made for this fraction (one eighth) of the capacity at a time."""
+
+
+@dataclass(frozen=True)
+class SurfaceUpdate:
+    """The surface in the blocks that a frame changed.
+
+    ``keys``: (V,) int64 surface voxels. ``positions``: (V, 3) float32, on the zero level, world
+    frame, metres. ``normals``: (V, 3) float32, unit, outward. ``left``: (L,) int64 voxels that are
+    no longer on the surface; ``left_to``: (L,) int64 the surface voxel that each one's piece of
+    surface moved to, ``NO_KEY`` if none.
+    """
+
+    keys: NDArray[np.int64]
+    positions: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    left: NDArray[np.int64]
+    left_to: NDArray[np.int64]
+
+
+class TsdfVolume:
+    """``count`` blocks in use, the first ones of ``blocks``; see :class:`TsdfBlocks`."""
+
+    def __init__(self, voxel_size: float, truncation: float, capacity: int) -> None:
+        """``voxel_size``: metres. ``truncation``: voxels. ``capacity``: blocks."""
+        self.voxel_size = voxel_size
+        self.truncation = truncation * voxel_size
+        self.capacity = capacity
+        self.count = 0
+        self._index = index = KeyIndex(capacity)
+        shape = (capacity, BLOCK_EDGE, BLOCK_EDGE, BLOCK_EDGE)
+        self.blocks = TsdfBlocks(
+            index_keys=index.keys,
+            index_rows=index.rows,
+            keys=np.zeros(capacity, np.int64),
+            tsdf=np.zeros(shape, np.float32),
+            weight=np.zeros(shape, np.uint16),
+            on_surface=np.zeros(shape, np.bool_),
+            last_seen=np.zeros(capacity, np.int64),
+        )
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes reserved, whether filled or not."""
+        return sum(array.nbytes for array in self.blocks)
+
+    @property
+    def arrays(self) -> Mapping[str, NDArray[Any]]:
+        """The arrays that make up the volume, at full capacity."""
+        fields = self.blocks._asdict().items()
+        return {name: array for name, array in fields if not name.startswith("index_")}
+
+    def restore(self, count: int) -> None:
+        """Take the first ``count`` rows of :attr:`arrays`, just filled, for the volume."""
+        if not are_unique_keys(self.blocks.keys[:count]):
+            raise ValueError("block keys repeat")
+        self.count = count
+        self._index.fill(self.blocks.keys[:count])
+
+    def allocate(self, frame: Frame, pixels: FramePixels, frame_number: int) -> NDArray[np.int64]:
+        """Make sure of blocks around the surface that the frame shows.
+
+        Returns the keys of surface voxels that were erased to make room. Blocks that this frame
+        sees are never erased: what does not fit beside them is left out.
+        """
+        farthest = float(np.max(pixels.depth, where=pixels.use == SURFACE, initial=0.0))
+        if farthest == 0.0:
+            return np.empty(0, np.int64)
+        K = frame.intrinsics.matrix
+        stride = pixel_stride(self.voxel_size, min(K[0, 0], K[1, 1]), farthest)
+        T = np.ascontiguousarray(frame.T_world_camera, np.float64)
+        erased = [np.empty(0, np.int64)]
+        while True:
+            self.count, is_full = allocate_blocks(
+                pixels.depth, pixels.use, stride, T, K, self.voxel_size, self.blocks, self.count,
+                frame_number,
+            )  # fmt: skip
+            last_seen = self.blocks.last_seen[: self.count]
+            unseen = np.flatnonzero(last_seen < frame_number)
+            if not (is_full and len(unseen)):
+                return np.concatenate(erased)
+            longest_first = unseen[np.argsort(last_seen[unseen], kind="stable")]
+            slots = np.sort(longest_first[: max(1, self.capacity // ERASED_SHARE)])
+            erased.append(surface_keys(slots, self.blocks))
+            self.count = erase_blocks(slots, self.blocks, self.count)
+
+    def integrate(self, frame: Frame, pixels: FramePixels, frame_number: int) -> NDArray[np.int64]:
+        """Fuse the frame's depth; return the slots of the blocks that changed."""
+        T_camera_world = np.ascontiguousarray(np.linalg.inv(frame.T_world_camera), np.float64)
+        return integrate_blocks(
+            pixels.depth, pixels.slant, pixels.free_depth, T_camera_world,
+            frame.intrinsics.matrix, self.voxel_size, self.truncation, self.blocks, self.count,
+            frame_number,
+        )  # fmt: skip
+
+    def extract(self, slots: NDArray[np.int64]) -> SurfaceUpdate:
+        """Find the surface voxels in the blocks ``slots`` again."""
+        return SurfaceUpdate(*extract_surface(slots, self.voxel_size, self.blocks))

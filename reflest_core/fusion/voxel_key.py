@@ -1,0 +1,39 @@
+"""Integer voxel and block coordinates packed into one 64-bit key.
+
+Voxel ``(i, j, k)`` has its sample point at ``(i, j, k) * voxel_size`` in the world frame (as in
+Open3D's VoxelBlockGrid) and its cell is the cube of that size around the sample point. Block
+``(i, j, k)`` holds the voxels ``8 * (i, j, k) + (0..7)`` along each axis.
+"""
+
+from __future__ import annotations
+
+from reflest_core.fusion.jit import compiled
+
+BLOCK_EDGE = 8
+"""Voxels along a block's edge."""
+
+NO_KEY = 0
+"""No voxel packs to this key."""
+
+VOXEL_LIMIT = (1 << 20) - 2 * BLOCK_EDGE
+"""Voxel coordinates lie strictly between minus and plus this (5 km either way at 5 mm)."""
+
+_BITS = 21
+_OFFSET = 1 << 20
+_MASK = (1 << _BITS) - 1
+
+
+@compiled
+def pack_key(i: int, j: int, k: int) -> int:
+    """Pack three coordinates within ``VOXEL_LIMIT`` into a positive key; order is (i, j, k)."""
+    return ((i + _OFFSET) << (2 * _BITS)) | ((j + _OFFSET) << _BITS) | (k + _OFFSET)
+
+
+@compiled
+def unpack_key(key: int) -> tuple[int, int, int]:
+    """The inverse of :func:`pack_key`."""
+    return (
+        ((key >> (2 * _BITS)) & _MASK) - _OFFSET,
+        ((key >> _BITS) & _MASK) - _OFFSET,
+        (key & _MASK) - _OFFSET,
+    )
