@@ -23,9 +23,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--batch-size", type=int)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, help="CPU threads; default: all")
-    parser.add_argument(
-        "--out", type=Path, required=True, help="folder for weights, log, checkpoint"
-    )
+    parser.add_argument("--out", type=Path, required=True, help="folder for weights and log")
     parser.set_defaults(run=run)
 
 

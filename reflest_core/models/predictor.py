@@ -39,8 +39,9 @@ MODELS = {
 
 @dataclass(frozen=True)
 class Prediction:
-    """``ward``: (5,) float64 ``rho_d`` (3), ``rho_s``, ``alpha``, as the network gave them, not
-    clipped to physical values. ``voxels``: (N,) that they rest on.
+    """``ward``: (5,) float64 ``rho_d`` (3), ``rho_s``, ``alpha``, not clipped to physical values.
+
+    ``voxels``: (N,) indices of the voxels that they rest on.
     """
 
     ward: NDArray[np.float64]

@@ -13,9 +13,11 @@ from reflest_core.training.augmentation import Augmentation
 
 @dataclass(frozen=True)
 class Recipe:
-    """``loss``: ``rmse1``, ``rmse2`` or ``cuberoot`` (Table 1). ``optimiser``: ``rmsprop``, ``sgd``.
+    """Loss, optimiser and data of one training.
 
-    ``colour_constancy``: lambda of E_c. ``voxels``: those of one scene in a minibatch. With ``decay`` the learning rate falls as a cosine to 0 over the last half.
+    ``loss``: ``rmse1``, ``rmse2`` or ``cuberoot`` (Table 1). ``colour_constancy``: lambda of E_c.
+    ``optimiser``: ``rmsprop`` or ``sgd``. ``voxels``: those of one scene in a minibatch. With
+    ``decay`` the learning rate falls as a cosine to 0 over the last half.
     """
 
     network: str

@@ -18,7 +18,7 @@ PAPER_RMSE = {"hemicnn": 0.419, "grouplet-fast": None, "grouplet-slow": 0.432}
 
 
 def write_report(folder: Path, evaluations: list[Evaluation], provenance: dict[str, Any]) -> None:
-    """Write ``accuracy.json`` and ``accuracy.md``; ``provenance`` names command, data and commit."""
+    """Write ``accuracy.json`` and ``accuracy.md``; ``provenance``: command, data, commit."""
     folder.mkdir(parents=True, exist_ok=True)
     record = {
         "provenance": provenance,
@@ -60,7 +60,7 @@ def _table(
         cells = [row.model_id, *(f"{figure:.3f}" for figure in figures)]
         if with_paper:
             paper = PAPER_RMSE.get(row.model_id.split("/")[0])
-            cells.append("–" if paper is None else f"{paper:.3f}")
+            cells.append("" if paper is None else f"{paper:.3f}")
         lines.append("| " + " | ".join(cells) + " |")
     return lines
 

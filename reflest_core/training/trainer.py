@@ -90,7 +90,7 @@ class Trainer:
         loss = self.objective(self.module(*batch.inputs), batch)
         loss.backward()
         self.optimiser.step()
-        return float(loss)
+        return loss.item()
 
     def _validation_inputs(self, sample: Sample) -> tuple[torch.Tensor, ...]:
         voxels = choose_voxels(sample.surface, self.recipe.voxels)
