@@ -1,0 +1,52 @@
+"""``reflest``: the command line, one module in this package for each subcommand."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+
+from reflest_core import __version__
+from reflest_core.errors import ReflestError
+
+COMMANDS = ("replay", "synbrdf", "train", "evaluate")
+USER_ERROR = 2
+INTERRUPTED = 130  # as shells report SIGINT
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run ``reflest`` and return its exit code; 2 for an error that the user can mend."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        options = _parser(given).parse_args(given)
+        code: int = options.run(options)
+        sys.stdout.flush()
+        return code
+    except ReflestError as error:
+        print(f"reflest: error: {error}", file=sys.stderr)
+        return USER_ERROR
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader has gone (`reflest replay ... | head`); Python must not flush into it again.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+
+
+def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="reflest", description="Estimates how a scanned surface reflects light."
+    )
+    parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
+    subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
+    # A command that is named is imported alone, so that it starts without the others' imports.
+    named = [name for name in COMMANDS if name in given[:1]]
+    for name in named or COMMANDS:
+        importlib.import_module(f"reflest_core.cli.{name}").add_parser(subparsers)
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,71 @@
+"""Options of ``reflest replay`` and the settings that they make."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from reflest_core.capture.settings import CaptureSettings
+from reflest_core.capture.topics import TopicChoice
+from reflest_core.estimation.settings import ReflestSettings, with_values
+from reflest_core.fusion.settings import RegionSettings
+
+
+def topic_choice(options: argparse.Namespace) -> TopicChoice:
+    """Return the topics that were named."""
+    return TopicChoice(
+        rgb=options.rgb_topic,
+        depth=options.depth_topic,
+        camera_info=options.camera_info_topic,
+        pose=options.pose_topic,
+        mask=options.mask_topic,
+    )
+
+
+def replay_settings(options: argparse.Namespace) -> ReflestSettings:
+    """Return the settings of ``--config`` (or the defaults) with the options laid over them.
+
+    Raises:
+        ParameterError: naming the parameter that is wrong.
+    """
+    config: Path | None = options.config
+    settings = ReflestSettings.from_yaml(config) if config else ReflestSettings()
+    fusion = {"voxel_size": options.voxel_size, "max_depth": options.max_depth}
+    estimation = {"model": options.model, "weights": options.weights}
+    return replace(
+        settings,
+        capture=_with_mask(settings.capture, options.mask_topic),
+        region=_region(options) or settings.region,
+        fusion=with_values(settings.fusion, _given(fusion), "fusion"),
+        estimation=with_values(settings.estimation, _given(estimation), "estimation"),
+    )
+
+
+def _given(values: dict[str, object]) -> dict[str, object]:
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _with_mask(capture: CaptureSettings, mask_topic: str | None) -> CaptureSettings:
+    """Masks are used exactly where their topic is named."""
+    return replace(capture, use_mask=mask_topic is not None)
+
+
+def _region(options: argparse.Namespace) -> RegionSettings | None:
+    if options.roi_box:
+        return _box(options.roi_box)
+    if options.roi_sphere:
+        x, y, z, radius = options.roi_sphere
+        return RegionSettings("sphere", (x, y, z), (2 * radius,) * 3)
+    return None
+
+
+def _box(corners: Sequence[float]) -> RegionSettings:
+    """Return the box between two opposite corners, given in either order."""
+    pairs = list(zip(corners[:3], corners[3:], strict=True))
+    (x, y, z), (width, depth, height) = (
+        [(low + high) / 2 for low, high in pairs],
+        [abs(high - low) for low, high in pairs],
+    )
+    return RegionSettings("box", (x, y, z), (width, depth, height))

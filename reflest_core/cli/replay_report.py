@@ -1,0 +1,85 @@
+"""What ``reflest replay`` says: one line for each estimate, and the JSON document."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+from typing import Any
+
+from reflest_core.capture.capture import Capture
+from reflest_core.capture.frame import Frame
+from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate
+from reflest_core.estimation.settings import ReflestSettings
+
+
+@dataclass
+class ReplayResult:
+    """What came out: an estimate for each keyframe, and one from the whole scan or why not."""
+
+    fused_count: int = 0
+    last_fused: Frame | None = None
+    estimates: list[BrdfEstimate] = field(default_factory=list)
+    final: BrdfEstimate | None = None
+    no_final: str | None = None
+
+
+def estimate_line(estimate: BrdfEstimate) -> str:
+    """Return stamp, Ward values and what they rest on, in one line."""
+    red, green, blue = estimate.rho_d
+    status = f", {estimate.status.name} ({estimate.status_text})" if estimate.status else ""
+    return (
+        f"{estimate.stamp_ns / 1e9:.3f} s  rho_d {red:.3f} {green:.3f} {blue:.3f}  "
+        f"rho_s {estimate.rho_s:.3f}  alpha {estimate.alpha:.3f}  "
+        f"[{estimate.voxel_count} voxels, {estimate.observation_count} observations, "
+        f"{estimate.view_count} views, coverage {estimate.coverage:.0%}{status}]"
+    )
+
+
+def final_lines(estimate: BrdfEstimate) -> list[str]:
+    """Return the final estimate in full, with units and colour spaces."""
+    red, green, blue = estimate.rho_d
+    lightness, a, b = estimate.lab
+    return [
+        f"final   {estimate_line(estimate)}",
+        f"  rho_d  {red:.4f} {green:.4f} {blue:.4f}  (diffuse albedo, linear sRGB)",
+        f"  rho_s  {estimate.rho_s:.4f}  (specular albedo)",
+        f"  alpha  {estimate.alpha:.4f}  (roughness)",
+        f"  Lab    {lightness:.2f} {a:.2f} {b:.2f}  (D65, 2 degrees)",
+        f"  c, d   {estimate.c:.4f} {estimate.d:.4f}  (contrast and distinctness of gloss)",
+        f"  model  {estimate.model_id}, Ward variant {estimate.ward_variant}",
+    ]
+
+
+def refusals_line(capture: Capture) -> str | None:
+    """Return how many frames and messages were refused and why, or None."""
+    counts = {cause.value: count for cause, count in capture.refusals.counts.items()}
+    if not counts:
+        return None
+    listed = ", ".join(f"{count} {cause}" for cause, count in sorted(counts.items()))
+    return f"refused: {listed}"
+
+
+def replay_record(
+    capture: Capture,
+    settings: ReflestSettings,
+    result: ReplayResult,
+) -> dict[str, Any]:
+    """Return the JSON document; the same capture and settings give the same bytes."""
+    first_message = capture.refusals.first_message
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "capture": capture.name,
+        "model": settings.estimation.model,
+        "settings": dataclasses.asdict(settings),
+        "frames": {"seen": capture.frames_seen, "fused": result.fused_count},
+        "estimates": [estimate.to_json() for estimate in result.estimates],
+        "final": None if result.final is None else result.final.to_json(),
+        "no_estimate": result.no_final,
+        "refusals": {
+            cause.value: {"count": count, "first": first_message[cause]}
+            for cause, count in sorted(
+                capture.refusals.counts.items(), key=lambda item: item[0].value
+            )
+        },
+        "damage": capture.damage,
+    }

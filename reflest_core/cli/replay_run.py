@@ -1,0 +1,106 @@
+"""The replay itself: capture to frames, frames to scan, keyframes to estimates."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from tqdm import tqdm
+
+from reflest_core.capture.capture import Capture
+from reflest_core.capture.errors import CaptureError
+from reflest_core.capture.open_capture import open_capture
+from reflest_core.capture.refusal import FrameRefused
+from reflest_core.cli.json_file import check_writable, write_json
+from reflest_core.cli.replay_options import replay_settings, topic_choice
+from reflest_core.cli.replay_report import (
+    ReplayResult,
+    estimate_line,
+    final_lines,
+    refusals_line,
+    replay_record,
+)
+from reflest_core.estimation.estimator import NoEstimate
+from reflest_core.estimation.scanner import Scanner
+
+
+def replay(options: argparse.Namespace) -> None:
+    """Run ``reflest replay``.
+
+    Raises:
+        ReflestError: a bad option, an unreadable capture, or no estimate at its end.
+    """
+    for path in (options.json, options.save_scan):
+        if path is not None:
+            check_writable(path)
+    settings = replay_settings(options)
+    pinhole = tuple(options.intrinsics) if options.intrinsics else None
+    topics = topic_choice(options)
+    capture = open_capture(options.capture, topics, settings.capture, pinhole, _warn_of_refusal)
+    scanner = Scanner(settings)
+    result = ReplayResult()
+    _scan(capture, scanner, result)
+    _conclude(capture, scanner, result)
+    _report(capture, result)
+    if options.json is not None:
+        write_json(options.json, replay_record(capture, settings, result))
+    if options.save_scan is not None and result.fused_count:
+        scanner.save(options.save_scan)
+    if result.final is None:
+        raise CaptureError(f"{capture.name} gives no estimate: {result.no_final}")
+
+
+def _scan(capture: Capture, scanner: Scanner, result: ReplayResult) -> None:
+    """Fuse every frame and estimate at every keyframe."""
+    with tqdm(total=capture.frame_total, unit="frame", disable=None) as bar:
+        for frame in capture:
+            bar.update(capture.frames_seen - bar.n)
+            try:
+                scanned = scanner.fuse(frame)
+            except FrameRefused as refusal:
+                capture.refuse(refusal)
+                continue
+            result.fused_count += 1
+            result.last_fused = frame
+            if scanned.keyframe is None:
+                continue
+            try:
+                estimate = scanner.estimate(scanned.keyframe)
+            except NoEstimate as reason:
+                tqdm.write(f"{frame.stamp_ns / 1e9:.3f} s  no estimate: {reason}")
+                continue
+            result.estimates.append(estimate)
+            tqdm.write(estimate_line(estimate))
+        bar.update(capture.frames_seen - bar.n)
+
+
+def _conclude(capture: Capture, scanner: Scanner, result: ReplayResult) -> None:
+    """Estimate from the whole scan, or note why that cannot be done."""
+    frame = result.last_fused
+    if frame is None:
+        reasons = "; ".join(capture.refusals.first_message.values())
+        result.no_final = reasons or "it holds no colour image"
+        return
+    try:
+        result.final = scanner.estimate(scanner.snapshot(frame.stamp_ns, frame.frame_id))
+    except NoEstimate as reason:
+        result.no_final = str(reason)
+
+
+def _report(capture: Capture, result: ReplayResult) -> None:
+    print(f"{capture.frames_seen} colour images, {result.fused_count} frames fused")
+    for line in final_lines(result.final) if result.final else []:
+        print(line)
+    if refused := refusals_line(capture):
+        _say(refused)
+    if capture.damage:
+        _say(f"warning: {capture.damage}")
+
+
+def _warn_of_refusal(refusal: FrameRefused, is_first: bool) -> None:
+    if is_first:
+        _say(f"warning: {refusal} (counted as {refusal.cause.value}; said once)")
+
+
+def _say(sentence: str) -> None:
+    tqdm.write(f"reflest: {sentence}", file=sys.stderr)
