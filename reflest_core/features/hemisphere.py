@@ -19,9 +19,9 @@ def hemisphere_images(
     """Images (N, 3, 10, 10) float32 of the given voxels (N,), 8-bit sRGB / 255.
 
     Each observation is projected onto the tangent plane's unit disc; a pixel takes the colour of
-    the nearest one. Column follows the tangent, row the bitangent, of :func:`tangent_frame`, turned by
-    ``azimuths`` (N,) radians (training augments with them). A voxel without an observation on its
-    positive hemisphere is black.
+    the nearest one. Column follows the tangent, row the bitangent, of :func:`tangent_frame`, turned
+    by ``azimuths`` (N,) radians (training augments with them). A voxel without an observation on
+    its positive hemisphere is black.
     """
     if azimuths is None:
         azimuths = np.zeros(len(voxels))
