@@ -1,7 +1,7 @@
 """Builds the ROS interfaces with CMake, so that pip installs a package that a node can run from.
 
-``pip install --no-build-isolation .`` needs requirements/build.txt installed beforehand. An editable
-installation leaves the Python code in the checkout and installs the generated interfaces only.
+``pip install --no-build-isolation .`` needs requirements/build.txt installed beforehand. An
+editable installation leaves the Python code in the checkout and installs the interfaces only.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ import sys
 import sysconfig
 from pathlib import Path
 
-from setuptools import Command, Distribution, setup  # isort: split  (it provides distutils)
+# setuptools provides distutils, and comes first.
+from setuptools import Command, Distribution, setup
 from distutils.command.install_data import install_data
 
 from setuptools.command.build_py import build_py

@@ -8,15 +8,15 @@ from typing import Any
 from builtin_interfaces.msg import Time
 
 from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
-from reflest_ros import msg
 from reflest_ros.core_messages import stamp_to_ns
+from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
 
 HEADER_FIELDS = ("stamp_ns", "frame_id")
 
 
-def estimate_to_message(estimate: BrdfEstimate) -> msg.BrdfEstimate:
+def estimate_to_message(estimate: BrdfEstimate) -> BrdfEstimateMessage:
     """Every field under its own name; stamp and frame_id in the header."""
-    message = msg.BrdfEstimate()
+    message = BrdfEstimateMessage()
     seconds, nanoseconds = divmod(estimate.stamp_ns, 1_000_000_000)
     message.header.stamp = Time(sec=seconds, nanosec=nanoseconds)
     message.header.frame_id = estimate.frame_id
@@ -26,7 +26,7 @@ def estimate_to_message(estimate: BrdfEstimate) -> msg.BrdfEstimate:
     return message
 
 
-def estimate_from_message(message: msg.BrdfEstimate) -> BrdfEstimate:
+def estimate_from_message(message: BrdfEstimateMessage) -> BrdfEstimate:
     """What :func:`estimate_to_message` was given."""
     values: dict[str, Any] = {
         "stamp_ns": stamp_to_ns(message.header.stamp),

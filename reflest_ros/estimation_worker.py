@@ -20,19 +20,20 @@ class EstimationWorker:
     """Estimates the newest keyframe and whatever is asked for.
 
     A keyframe that comes before the last one was begun takes its place: the topic shows the state
-    of the scan, not its history. ``skipped`` counts these.
+    of the scan, not its history. ``skipped`` counts these. ``publish(estimate, arrival)`` returns
+    what it published.
     """
 
     def __init__(
         self,
         estimate: Estimate,
-        on_estimate: Callable[[BrdfEstimate, float], None],
+        publish: Callable[[BrdfEstimate, float], BrdfEstimate],
         on_failure: Callable[[ReflestError], None],
         on_crash: Callable[[BaseException], None],
     ) -> None:
         self.skipped = 0
         self._estimate = estimate
-        self._on_estimate = on_estimate
+        self._publish = publish
         self._on_failure = on_failure
         self._changed = threading.Condition()
         self._keyframe: Keyframe | None = None
@@ -102,6 +103,6 @@ class EstimationWorker:
             return
         with self._changed:
             if generation == self._generation:
-                self._on_estimate(estimate, keyframe.arrival)
+                estimate = self._publish(estimate, keyframe.arrival)
         if future is not None:
             future.set_result(estimate)

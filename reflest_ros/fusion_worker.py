@@ -190,4 +190,3 @@ class FusionWorker:
                     "raise input.queue_size",
                 )
             )
-

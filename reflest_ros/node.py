@@ -17,11 +17,11 @@ from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.fusion.keyframe import KeyframePolicy
-from reflest_ros import msg
 from reflest_ros.diagnostics import Diagnostics, EstimateCounts
 from reflest_ros.estimate_message import estimate_to_message
 from reflest_ros.estimation_worker import EstimationWorker
 from reflest_ros.fusion_worker import FusionWorker
+from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
 from reflest_ros.parameters import declare_parameters, guard_parameters
 from reflest_ros.qos import OUTPUT_QOS
 from reflest_ros.services import ScanServices
@@ -43,14 +43,12 @@ class EstimatorNode(Node):
         self._estimates = EstimateCounts()
         node_settings, self._settings = declare_parameters(self)
         topics = input_topics(self, node_settings, self._settings.capture.use_mask)
-        self._publisher = self.create_publisher(
-            msg.BrdfEstimate, "reflectance/brdf", OUTPUT_QOS
-        )
+        self._publisher = self.create_publisher(BrdfEstimateMessage, "reflectance/brdf", OUTPUT_QOS)
 
         assembler = FrameAssembler(self._settings.capture, topics, self._on_refusal)
         self._scanner = Scanner(self._settings)
         self._estimation = EstimationWorker(
-            self._scanner.estimate, self._on_estimate, self._on_failure, self._on_crash
+            self._scanner.estimate, self._publish, self._on_failure, self._on_crash
         )
         self._fusion = FusionWorker(
             assembler, self._scanner, self._estimation.offer, self._on_crash,
@@ -84,10 +82,11 @@ class EstimatorNode(Node):
         if is_first:
             self.get_logger().warning(f"{refusal} (cause: {refusal.cause.value}; said once)")
 
-    def _on_estimate(self, estimate: BrdfEstimate, arrival: float) -> None:
+    def _publish(self, estimate: BrdfEstimate, arrival: float) -> BrdfEstimate:
         estimate = dataclasses.replace(estimate, latency=time.monotonic() - arrival)
         self._publisher.publish(estimate_to_message(estimate))
         self._estimates.published_one(estimate)
+        return estimate
 
     def _on_failure(self, error: ReflestError) -> None:
         if self._estimates.failed == 0:

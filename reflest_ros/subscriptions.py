@@ -35,7 +35,7 @@ class Input:
 
 
 def input_topics(node: Node, settings: NodeSettings, use_mask: bool) -> dict[Role, str]:
-    """Full names of the topics to subscribe: a remapping of ``rgb``, ... wins over ``topics.rgb``."""
+    """Full names of the topics to subscribe; a remapping of ``rgb`` wins over ``topics.rgb``."""
     roles = [role for role in Role if use_mask or role is not Role.MASK]
     topics = {}
     for role in roles:
