@@ -7,7 +7,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.foreground import SURFACE
 from reflest_core.fusion.jit import compiled
 from reflest_core.fusion.key_index import find_row, put_row
 from reflest_core.fusion.tsdf_blocks import TsdfBlocks
@@ -20,7 +19,7 @@ SURFACE_MARGIN = 2.0
 @compiled
 def allocate_blocks(
     depth: NDArray[np.float32],
-    use: NDArray[np.uint8],
+    surface: NDArray[np.bool_],
     stride: int,
     T: NDArray[np.float64],
     K: NDArray[np.float64],
@@ -45,7 +44,7 @@ def allocate_blocks(
     is_full = False
     for v in range(0, height, stride):
         for u in range(0, width, stride):
-            if use[v, u] != SURFACE:
+            if not surface[v, u]:
                 continue
             z = float(depth[v, u])
             x, y = (u - K[0, 2]) / K[0, 0] * z, (v - K[1, 2]) / K[1, 1] * z

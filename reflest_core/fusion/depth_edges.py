@@ -13,26 +13,41 @@ from numpy.typing import NDArray
 
 from reflest_core.fusion.jit import compiled
 
-TOLERANCE_VOXELS = 2.0
-"""Share of the depth tolerance for fusion's own resolution, in voxels."""
-
-TOLERANCE_SHARE = 0.01
-"""Share for the sensor's noise and a surface's slope across a pixel, as a fraction of depth."""
-
 
 @compiled
 def depth_tolerance(z: float, voxel_size: float) -> float:
-    """Metres by which two depths near ``z`` may differ and still be one surface."""
-    return TOLERANCE_VOXELS * voxel_size + TOLERANCE_SHARE * z
+    """Metres by which two depths near ``z`` may differ and still be one surface.
+
+    Two voxels for fusion's own resolution, and 1 % of the depth for the sensor's noise and for the
+    slope of a surface across a pixel.
+    """
+    return 2.0 * voxel_size + 0.01 * z
 
 
 def clear_of_edges(depth: NDArray[np.float32], voxel_size: float, margin: int) -> NDArray[np.bool_]:
     """(H, W) bool: where depth is known and on no depth edge. ``depth``: metres, 0 unknown."""
     window = np.ones((2 * margin + 1, 2 * margin + 1), np.uint8)
-    nearest = cv2.erode(depth, window)
-    farthest = cv2.dilate(depth, window)
-    tolerance = TOLERANCE_VOXELS * voxel_size + TOLERANCE_SHARE * depth
-    clear: NDArray[np.bool_] = (
-        (nearest > 0.0) & (depth - nearest <= tolerance) & (farthest - depth <= tolerance)
-    )
+    nearest = np.asarray(cv2.erode(depth, window), np.float32)
+    farthest = np.asarray(cv2.dilate(depth, window), np.float32)
+    return _is_clear(depth, nearest, farthest, voxel_size)
+
+
+@compiled
+def _is_clear(
+    depth: NDArray[np.float32],
+    nearest: NDArray[np.float32],
+    farthest: NDArray[np.float32],
+    voxel_size: float,
+) -> NDArray[np.bool_]:
+    height, width = depth.shape
+    clear = np.empty((height, width), np.bool_)
+    for v in range(height):
+        for u in range(width):
+            z = float(depth[v, u])
+            tolerance = depth_tolerance(z, voxel_size)
+            clear[v, u] = (
+                (nearest[v, u] > 0.0)
+                & (z - nearest[v, u] <= tolerance)
+                & (farthest[v, u] - z <= tolerance)
+            )
     return clear

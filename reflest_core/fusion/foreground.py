@@ -1,4 +1,4 @@
-"""Which pixels show the scanned object, and what each pixel's depth may be used for."""
+"""Which pixels show the scanned object, and what the depth image tells about it."""
 
 from __future__ import annotations
 
@@ -19,34 +19,32 @@ from reflest_core.fusion.slant import surface_slant
 WIDEST_MARGIN = 32
 """Pixels to the sides within which ``FramePixels.free_depth`` looks at most."""
 
-NOTHING, FREE_SPACE, SURFACE = 0, 1, 2
-"""What a pixel's depth tells: nothing; that the space before it is free; where the object is."""
-
 
 @dataclass(frozen=True)
 class FramePixels:
     """``foreground``: (H, W) bool, by SPEC section 2 (F and B are means over it and the rest).
 
-    ``depth``: (H, W) float32 metres, 0 where unknown. ``use``: (H, W) uint8, ``NOTHING`` where
-    depth is unknown; ``SURFACE`` on the foreground within ``max_depth`` and clear of depth edges;
-    else ``FREE_SPACE``. ``slant``: (H, W) float32, see :func:`surface_slant`, 0 but on ``SURFACE``.
-    ``free_depth``: (H, W) float32 metres, the nearest depth within the truncation distance to the
-    sides; what is in front of it by as much is free of any surface.
+    ``depth``: (H, W) float32 metres, 0 where unknown. ``surface``: (H, W) bool, the foreground
+    within ``max_depth`` and clear of depth edges: what is fused and observed. ``slant``: (H, W)
+    float32, see :func:`surface_slant`, 0 but on ``surface``. ``free_depth``: (H, W) float32 metres,
+    the nearest depth within the truncation distance to the sides, 0 where some is unknown; what is
+    in front of it by as much is free of any surface.
     """
 
     foreground: NDArray[np.bool_]
     depth: NDArray[np.float32]
-    use: NDArray[np.uint8]
+    surface: NDArray[np.bool_]
     slant: NDArray[np.float32]
     free_depth: NDArray[np.float32]
 
 
 def classify_pixels(frame: Frame, region: Region, settings: FusionSettings) -> FramePixels:
     """Foreground is the mask if there is one, else the region, else depth inside ``max_depth``."""
-    depth = np.where(np.isfinite(frame.depth) & (frame.depth > 0.0), frame.depth, np.float32(0.0))
-    within_reach = (depth > 0.0) & (depth <= settings.max_depth)
+    is_known = np.isfinite(frame.depth) & (frame.depth > 0.0)
+    depth: NDArray[np.float32] = np.where(is_known, frame.depth, 0.0).astype(np.float32)
+    within_reach = is_known & (depth <= settings.max_depth)
     if frame.mask is not None:
-        foreground: NDArray[np.bool_] = frame.mask
+        foreground = frame.mask
     elif region.shape:
         camera = frame.intrinsics
         foreground = _in_region(
@@ -56,24 +54,24 @@ def classify_pixels(frame: Frame, region: Region, settings: FusionSettings) -> F
         )  # fmt: skip
     else:
         foreground = within_reach
-    use = (depth > 0.0).astype(np.uint8) * np.uint8(FREE_SPACE)
     clear = clear_of_edges(depth, settings.voxel_size, settings.depth_edge_margin)
-    use[foreground & within_reach & clear] = SURFACE
-    slant = surface_slant(
-        depth, use == SURFACE, settings.depth_edge_margin, frame.intrinsics.matrix
-    )
-    return FramePixels(foreground, depth, use, slant, _free_depth(depth, use, frame, settings))
+    surface = foreground & within_reach & clear
+    slant = surface_slant(depth, surface, settings.depth_edge_margin, frame.intrinsics.matrix)
+    free_depth = _free_depth(depth, surface, frame, settings)
+    return FramePixels(foreground, depth, surface, slant, free_depth)
 
 
 def _free_depth(
-    depth: NDArray[np.float32], use: NDArray[np.uint8], frame: Frame, settings: FusionSettings
+    depth: NDArray[np.float32],
+    surface: NDArray[np.bool_],
+    frame: Frame,
+    settings: FusionSettings,
 ) -> NDArray[np.float32]:
-    nearest = float(np.min(depth, where=use == SURFACE, initial=settings.max_depth))
+    nearest = float(np.min(depth, where=surface, initial=settings.max_depth))
     focal_length = max(frame.intrinsics.fx, frame.intrinsics.fy)
     margin = math.ceil(settings.truncation * settings.voxel_size * focal_length / nearest)
     size = 2 * min(margin, WIDEST_MARGIN) + 1
-    free_depth: NDArray[np.float32] = cv2.erode(depth, np.ones((size, size), np.uint8))
-    return free_depth
+    return np.asarray(cv2.erode(depth, np.ones((size, size), np.uint8)), np.float32)
 
 
 @compiled

@@ -12,7 +12,7 @@ from reflest_core.capture.frame import Frame
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.errors import ReflestError
 from reflest_core.fusion.colour_statistics import foreground_background_means
-from reflest_core.fusion.foreground import SURFACE, FramePixels, classify_pixels
+from reflest_core.fusion.foreground import FramePixels, classify_pixels
 from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.memory_budget import MemoryBudget
 from reflest_core.fusion.observation_store import ObservationStore
@@ -189,7 +189,7 @@ class Scan:
                 f"the depth image at {frame.stamp_ns} ns has no valid pixel: check the depth "
                 "topic's encoding, unit and range",
             )
-        if not np.any(pixels.use == SURFACE):
+        if not np.any(pixels.surface):
             raise FrameRefused(RefusalCause.NO_OVERLAP, self._no_overlap_sentence(frame))
 
     def _no_overlap_sentence(self, frame: Frame) -> str:

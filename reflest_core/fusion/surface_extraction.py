@@ -11,6 +11,8 @@ The gradient is the Sobel operator over the 3 x 3 x 3 neighbourhood, using the o
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,8 +30,8 @@ STAY = 0.75
 LEAVE = 1.5
 """A foot point beyond this is too far for the linear step to be believed."""
 
-NEAR_ZERO = 0.75
-"""Beyond this fraction of the truncation distance no foot point is sought."""
+NEAR = 1.25
+"""Beyond this signed distance, in voxels, no foot point is sought."""
 
 LEAST_PAIRS = 8.0
 """Sobel weight of observed pairs that each axis needs, of 16: at the rim of the seen no normal."""
@@ -41,6 +43,7 @@ _PADDED = BLOCK_EDGE + 2
 def extract_surface(
     slots: NDArray[np.int64],
     voxel_size: float,
+    truncation: float,
     blocks: TsdfBlocks,
 ) -> tuple[
     NDArray[np.int64],
@@ -66,8 +69,9 @@ def extract_surface(
     offset = np.empty(3, np.float64)
     gradient = np.empty(3, np.float64)
     on_surface = blocks.on_surface
+    near = NEAR * voxel_size / truncation
     for slot in slots:
-        if not _has_candidates(blocks, slot):
+        if not _has_candidates(blocks, slot, near):
             continue
         bi, bj, bk = unpack_key(blocks.keys[slot])
         _gather_padded(blocks, bi, bj, bk, values)
@@ -76,7 +80,7 @@ def extract_surface(
                 for c in range(BLOCK_EDGE):
                     was_on = on_surface[slot, a, b, c]
                     value = values[a + 1, b + 1, c + 1]
-                    is_near = abs(value) < NEAR_ZERO
+                    is_near = abs(value) < near
                     if not is_near and not was_on:
                         continue
                     i, j, k = bi * BLOCK_EDGE + a, bj * BLOCK_EDGE + b, bk * BLOCK_EDGE + c
@@ -85,7 +89,7 @@ def extract_surface(
                         reach = _foot_offset(value, gradient, offset)
                     if reach <= (STAY if was_on else ENTER):
                         on_surface[slot, a, b, c] = True
-                        length = np.sqrt(np.sum(gradient * gradient))
+                        length = math.sqrt(gradient[0] ** 2 + gradient[1] ** 2 + gradient[2] ** 2)
                         found_keys[found] = pack_key(i, j, k)
                         positions[found, 0] = (i + offset[0]) * voxel_size
                         positions[found, 1] = (j + offset[1]) * voxel_size
@@ -117,13 +121,13 @@ def extract_surface(
 
 
 @compiled
-def _has_candidates(blocks: TsdfBlocks, slot: int) -> bool:
+def _has_candidates(blocks: TsdfBlocks, slot: int, near: float) -> bool:
     tsdf, weight = blocks.tsdf[slot], blocks.weight[slot]
     on_surface = blocks.on_surface[slot]
     for a in range(BLOCK_EDGE):
         for b in range(BLOCK_EDGE):
             for c in range(BLOCK_EDGE):
-                if on_surface[a, b, c] or (weight[a, b, c] and abs(tsdf[a, b, c]) < NEAR_ZERO):
+                if on_surface[a, b, c] or (weight[a, b, c] and abs(tsdf[a, b, c]) < near):
                     return True
     return False
 

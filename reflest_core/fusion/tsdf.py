@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.block_allocation import allocate_blocks, pixel_stride
 from reflest_core.fusion.block_erasure import erase_blocks, surface_keys
-from reflest_core.fusion.foreground import SURFACE, FramePixels
+from reflest_core.fusion.foreground import FramePixels
 from reflest_core.fusion.integration import integrate_blocks
 from reflest_core.fusion.key_index import BYTES_PER_ROW, KeyIndex, are_unique_keys
 from reflest_core.fusion.surface_extraction import extract_surface
@@ -91,7 +91,7 @@ class TsdfVolume:
         Returns the keys of surface voxels that were erased to make room. Blocks that this frame
         sees are never erased: what does not fit beside them is left out.
         """
-        farthest = float(np.max(pixels.depth, where=pixels.use == SURFACE, initial=0.0))
+        farthest = float(np.max(pixels.depth, where=pixels.surface, initial=0.0))
         if farthest == 0.0:
             return np.empty(0, np.int64)
         K = frame.intrinsics.matrix
@@ -100,8 +100,8 @@ class TsdfVolume:
         erased = [np.empty(0, np.int64)]
         while True:
             self.count, is_full = allocate_blocks(
-                pixels.depth, pixels.use, stride, T, K, self.voxel_size, self.blocks, self.count,
-                frame_number,
+                pixels.depth, pixels.surface, stride, T, K, self.voxel_size, self.blocks,
+                self.count, frame_number,
             )  # fmt: skip
             last_seen = self.blocks.last_seen[: self.count]
             unseen = np.flatnonzero(last_seen < frame_number)
@@ -123,4 +123,4 @@ class TsdfVolume:
 
     def extract(self, slots: NDArray[np.int64]) -> SurfaceUpdate:
         """Find the surface voxels in the blocks ``slots`` again."""
-        return SurfaceUpdate(*extract_surface(slots, self.voxel_size, self.blocks))
+        return SurfaceUpdate(*extract_surface(slots, self.voxel_size, self.truncation, self.blocks))

@@ -1,7 +1,7 @@
 """Which surface voxels a view truly sees.
 
 All of these must hold: the voxel projects inside the image; the pixel nearest to it is foreground
-within ``max_depth`` and clear of depth edges (``foreground.SURFACE``); the depth there agrees with
+within ``max_depth`` and clear of depth edges (``FramePixels.surface``); the depth there agrees with
 the voxel's (``depth_tolerance``), so that nothing stands in front of it; and the angle between its
 normal and the direction to the camera is at most ``max_grazing_angle``.
 """
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.depth_edges import depth_tolerance
-from reflest_core.fusion.foreground import SURFACE, FramePixels
+from reflest_core.fusion.foreground import FramePixels
 from reflest_core.fusion.jit import compiled
 from reflest_core.fusion.settings import FusionSettings
 
@@ -32,7 +32,7 @@ def visible_voxels(
     A colour is that of the nearest pixel, 8-bit sRGB.
     """
     return _visible(
-        positions, normals, np.ascontiguousarray(frame.rgb), pixels.depth, pixels.use,
+        positions, normals, np.ascontiguousarray(frame.rgb), pixels.depth, pixels.surface,
         np.ascontiguousarray(np.linalg.inv(frame.T_world_camera), np.float64),
         np.ascontiguousarray(frame.camera_centre, np.float64), frame.intrinsics.matrix,
         settings.voxel_size, math.cos(math.radians(settings.max_grazing_angle)),
@@ -45,7 +45,7 @@ def _visible(
     normals: NDArray[np.float32],
     rgb: NDArray[np.uint8],
     depth: NDArray[np.float32],
-    use: NDArray[np.uint8],
+    surface: NDArray[np.bool_],
     T: NDArray[np.float64],
     camera: NDArray[np.float64],
     K: NDArray[np.float64],
@@ -66,7 +66,7 @@ def _visible(
         if not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5):
             continue
         un, vn = int(u + 0.5), int(v + 0.5)
-        if use[vn, un] != SURFACE or abs(zc - depth[vn, un]) > depth_tolerance(zc, voxel_size):
+        if not surface[vn, un] or abs(zc - depth[vn, un]) > depth_tolerance(zc, voxel_size):
             continue
         dx, dy, dz = camera[0] - x, camera[1] - y, camera[2] - z
         along = dx * normals[n, 0] + dy * normals[n, 1] + dz * normals[n, 2]
