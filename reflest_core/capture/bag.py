@@ -37,7 +37,10 @@ class Bag:
         self._is_packed = False
         paths = self._listed(path) if path.is_dir() else [path]
         self._files = self._opened(paths)
-        self.topics = choose_topics(self._candidates(), choice, self.name)
+        try:
+            self.topics = choose_topics(self._candidates(), choice, self.name)
+        except CaptureError as error:
+            raise CaptureError(f"{error}; {self.damage}" if self.damage else str(error)) from error
         counts = [
             topic.count for topic in self._all_topics() if topic.name == self.topics[Role.RGB]
         ]

@@ -1,24 +1,37 @@
-"""MCAP files, whole or cut off.
+"""MCAP files, whole or cut off, read in log-time order.
 
-With its index the file is read in log-time order, chunk by chunk. Without one (a recorder that
-died) it is read from the front in file order, up to the damage.
+The index comes from the file's summary, or where there is none (a recorder that died) from one
+pass over the file. Everything before damage is read.
 """
 
 from __future__ import annotations
 
+import heapq
+import struct
 from collections import Counter
 from collections.abc import Collection, Iterator
+from io import BytesIO
 from pathlib import Path
+from typing import IO
 
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
 from mcap.reader import SeekingReader
-from mcap.records import Channel, DataEnd, Message, Schema
-from mcap.stream_reader import StreamReader
+from mcap.records import Channel, Schema
 from mcap.summary import Summary
 
 from reflest_core.capture.bag_file import BagTopic, RawMessage, damage_sentence
 from reflest_core.capture.errors import CaptureError
+from reflest_core.capture.mcap_records import (
+    McapDamage,
+    Record,
+    chunk_start_ns,
+    read_chunk,
+    read_records,
+)
 
 MAGIC = b"\x89MCAP0\r\n"
+MESSAGE_HEADER = struct.Struct("<HIQQ")  # channel id, sequence, log time, publish time
 
 
 class McapFile:
@@ -32,83 +45,112 @@ class McapFile:
         """
         self.damage: str | None = None
         self._path = path
+        self._channels: dict[int, tuple[str, str]] = {}  # topic and message type by channel id
+        self._schemas: dict[int, str] = {}
+        self._index: list[tuple[int, int]] = []  # first log time and offset, chunk or message
         with path.open("rb") as stream:
             if stream.read(len(MAGIC)) != MAGIC:
                 raise CaptureError(f"{path} is not an MCAP file (or is cut off at its very start)")
-        self._summary = self._read_summary()
-        self.topics = self._summarised(self._summary) if self._summary else self._scanned()
+            summary = _read_summary(stream)
+            self.topics = self._summarised(summary) if summary else self._scanned(stream)
+        if not any(topic.count for topic in self.topics):
+            raise CaptureError(self.damage or f"{path} holds no messages")
+        self._index.sort()
 
     def messages(self, topics: Collection[str]) -> Iterator[RawMessage]:
         """Yield the messages of ``topics`` up to the end or the damage."""
-        records = self._by_index(topics) if self._summary else self._by_position(topics)
+        waiting: list[tuple[int, int, RawMessage]] = []
+        index, count = list(reversed(self._index)), 0
         first = last = None
-        try:
-            for record in records:
-                first = record.log_time_ns if first is None else first
-                last = record.log_time_ns
-                yield record
-        except Exception as error:  # a damaged file makes its parsers raise anything
-            self.damage = damage_sentence(self._path.name, error, first, last)
-
-    def _read_summary(self) -> Summary | None:
-        """Return the summary if it is there and whole: channels, counts and chunk index."""
         with self._path.open("rb") as stream:
-            try:
-                summary = SeekingReader(stream).get_summary()
-            except Exception:  # as above: no summary that can be read is no summary
-                return None
-        is_useful = summary is not None and summary.statistics and summary.chunk_indexes
-        return summary if is_useful else None
+            while index or waiting:
+                # What starts before the next message may hold an earlier one.
+                if index and (not waiting or index[-1][0] <= waiting[0][0]):
+                    try:
+                        for message in self._messages_at(stream, index.pop()[1]):
+                            if message.topic in topics:
+                                heapq.heappush(waiting, (message.log_time_ns, count, message))
+                                count += 1
+                    except McapDamage as damage:
+                        index.clear()
+                        times = [time for time, _, _ in waiting]
+                        end = max(times, default=last)
+                        start = min(times, default=None) if first is None else first
+                        self.damage = damage_sentence(self._path.name, damage, start, end)
+                    continue
+                last, _, message = heapq.heappop(waiting)
+                first = last if first is None else first
+                yield message
 
-    @staticmethod
-    def _summarised(summary: Summary) -> list[BagTopic]:
+    def _messages_at(self, stream: IO[bytes], offset: int) -> Iterator[RawMessage]:
+        """Yield the messages of the chunk at ``offset``, or the one message there."""
+        record = next(read_records(stream, offset))
+        records = read_chunk(record.content) if record.opcode == Opcode.CHUNK else iter([record])
+        for inner in records:
+            if (message := self._note(inner)) is not None:
+                yield message
+
+    def _note(self, record: Record) -> RawMessage | None:
+        """Return the message in a record, or remember what a schema or channel record says."""
+        content = ReadDataStream(BytesIO(record.content))
+        try:
+            if record.opcode == Opcode.SCHEMA:
+                schema = Schema.read(content)
+                self._schemas[schema.id] = schema.name
+            elif record.opcode == Opcode.CHANNEL:
+                channel = Channel.read(content)
+                self._channels[channel.id] = (channel.topic, self._schemas[channel.schema_id])
+            elif record.opcode == Opcode.MESSAGE:
+                channel_id, _, log_time, _ = MESSAGE_HEADER.unpack_from(record.content)
+                cdr = record.content[MESSAGE_HEADER.size :]
+                return RawMessage(*self._channels[channel_id], log_time, cdr)
+        except Exception as error:  # damaged content makes the parsers raise anything
+            raise McapDamage(f"a record holds garbage: {error!r}") from error
+        return None
+
+    def _summarised(self, summary: Summary) -> list[BagTopic]:
         counts: Counter[tuple[str, str]] = Counter()
+        per_channel = summary.statistics.channel_message_counts if summary.statistics else {}
         for channel in summary.channels.values():
             schema = summary.schemas.get(channel.schema_id)
-            key = (channel.topic, schema.name if schema else "")
-            counts[key] += (
-                summary.statistics.channel_message_counts.get(channel.id, 0)
-                if summary.statistics
-                else 0
-            )
+            self._channels[channel.id] = (channel.topic, schema.name if schema else "")
+            counts[self._channels[channel.id]] += per_channel.get(channel.id, 0)
+        self._schemas = {schema.id: schema.name for schema in summary.schemas.values()}
+        self._index = [
+            (chunk.message_start_time, chunk.chunk_start_offset) for chunk in summary.chunk_indexes
+        ]
         return [BagTopic(*key, count) for key, count in counts.items()]
 
-    def _scanned(self) -> list[BagTopic]:
-        """Count every message that can be read, and note the damage that ends it."""
+    def _scanned(self, stream: IO[bytes]) -> list[BagTopic]:
+        """Index and count every message that can be read, and note the damage that ends it."""
         counts: Counter[tuple[str, str]] = Counter()
-        first = last = None
+        times: list[int] = []
         try:
-            for record in self._by_position(None):
-                counts[record.topic, record.message_type] += 1
-                first = record.log_time_ns if first is None else first
-                last = record.log_time_ns
-        except Exception as error:  # as above
-            self.damage = damage_sentence(self._path.name, error, first, last)
-        if not counts:
-            raise CaptureError(self.damage or f"{self._path} holds no messages")
+            for record in read_records(stream, len(MAGIC)):
+                if record.opcode == Opcode.DATA_END:
+                    break
+                is_chunk = record.opcode == Opcode.CHUNK
+                if is_chunk:
+                    self._index.append((chunk_start_ns(record.content), record.offset))
+                for inner in read_chunk(record.content) if is_chunk else iter([record]):
+                    message = self._note(inner)
+                    if message is None:
+                        continue
+                    if not is_chunk:
+                        self._index.append((message.log_time_ns, record.offset))
+                    counts[message.topic, message.message_type] += 1
+                    times.append(message.log_time_ns)
+        except McapDamage as damage:
+            first, last = min(times, default=None), max(times, default=None)
+            self.damage = damage_sentence(self._path.name, damage, first, last)
         return [BagTopic(*key, count) for key, count in counts.items()]
 
-    def _by_index(self, topics: Collection[str]) -> Iterator[RawMessage]:
-        with self._path.open("rb") as stream:
-            reader = SeekingReader(stream, validate_crcs=True)
-            for schema, channel, message in reader.iter_messages(topics=list(topics)):
-                name = schema.name if schema else ""
-                yield RawMessage(channel.topic, name, message.log_time, message.data)
 
-    def _by_position(self, topics: Collection[str] | None) -> Iterator[RawMessage]:
-        schemas: dict[int, Schema] = {}
-        channels: dict[int, Channel] = {}
-        with self._path.open("rb") as stream:
-            for record in StreamReader(stream, validate_crcs=True).records:
-                if isinstance(record, DataEnd):
-                    return
-                if isinstance(record, Schema):
-                    schemas[record.id] = record
-                elif isinstance(record, Channel):
-                    channels[record.id] = record
-                elif isinstance(record, Message):
-                    channel = channels[record.channel_id]
-                    if topics is None or channel.topic in topics:
-                        schema = schemas.get(channel.schema_id)
-                        name = schema.name if schema else ""
-                        yield RawMessage(channel.topic, name, record.log_time, record.data)
+def _read_summary(stream: IO[bytes]) -> Summary | None:
+    """Return the summary if it is there and whole: channels, counts and chunk index."""
+    try:
+        summary = SeekingReader(stream).get_summary()
+    except Exception:  # of a damaged file; no summary that can be read is no summary
+        return None
+    is_useful = summary is not None and summary.statistics and summary.chunk_indexes
+    return summary if is_useful else None

@@ -61,7 +61,10 @@ class SqliteFile:
                 first, last = log_time if first is None else first, log_time
 
     def _connect(self) -> sqlite3.Connection:
-        return sqlite3.connect(f"{self._path.absolute().as_uri()}?mode=ro", uri=True)
+        database = sqlite3.connect(f"{self._path.absolute().as_uri()}?mode=ro", uri=True)
+        # SQLite reads a file that is shorter than its header says in this mode alone.
+        database.execute("PRAGMA writable_schema = ON")
+        return database
 
     def _read_index(self, database: sqlite3.Connection) -> None:
         # In the table's own order, so that damage ends the list and does not prevent it.
