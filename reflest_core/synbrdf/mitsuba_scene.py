@@ -1,0 +1,104 @@
+"""A SynBRDF scene as Mitsuba holds it. Importing this module loads Mitsuba."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.synbrdf.mitsuba_runtime import load_mitsuba
+from reflest_core.synbrdf.shapes.mesh import TriangleMesh
+from reflest_core.synbrdf.ward_bsdf import WardBSDF
+
+mi: Any = load_mitsuba()
+import drjit as dr  # noqa: E402  (Mitsuba's loader must choose the LLVM first)
+
+
+def mitsuba_scene(mesh: TriangleMesh, bsdf: WardBSDF, radiance: NDArray[np.float32]) -> Any:
+    """The object under a lat-long map in the convention of :mod:`.environments`."""
+    properties = mi.Properties()
+    properties["mesh_bsdf"] = bsdf
+    shape = mi.Mesh(
+        "object", len(mesh.vertices), len(mesh.faces), has_vertex_normals=True, props=properties
+    )
+    parameters = mi.traverse(shape)
+    parameters["vertex_positions"] = mi.Float(mesh.vertices.astype(np.float32).reshape(-1))
+    parameters["vertex_normals"] = mi.Float(mesh.normals.astype(np.float32).reshape(-1))
+    parameters["faces"] = mi.UInt32(mesh.faces.astype(np.uint32).reshape(-1))
+    parameters.update()
+    # Mitsuba's maps have y up and azimuth measured from -z; ours have z up and u = 1/2 at +x.
+    to_world = mi.ScalarTransform4f().rotate([0, 0, 1], 90).rotate([1, 0, 0], 90)
+    environment = {"type": "envmap", "bitmap": mi.Bitmap(radiance), "to_world": to_world}
+    return mi.load_dict({"type": "scene", "object": shape, "environment": environment})
+
+
+class RadianceTracer:
+    """Path-traces single rays, in wavefronts of one size so that a kernel compiles only once."""
+
+    def __init__(self, samples: int, lanes: int = 1 << 21, depth: int = 4) -> None:
+        """``samples`` a ray; ``lanes`` paths at once; ``depth`` as Mitsuba's ``max_depth``."""
+        self.samples = samples
+        self.rays_at_once = lanes // samples
+        self.integrator = mi.load_dict({"type": "path", "max_depth": depth})
+
+    def trace(
+        self,
+        scene: Any,
+        origins: NDArray[np.float32],
+        directions: NDArray[np.float32],
+        seed: int,
+    ) -> NDArray[np.float32]:
+        """Radiance (R, 3) arriving at ``origins`` (R, 3) against unit ``directions`` (R, 3)."""
+        parts = [
+            self._trace_some(scene, origins[first:last], directions[first:last], seed + first)
+            for first, last in self._chunks(len(origins))
+        ]
+        return np.concatenate(parts) if parts else np.zeros((0, 3), np.float32)
+
+    def _chunks(self, rays: int) -> list[tuple[int, int]]:
+        starts = range(0, rays, self.rays_at_once)
+        return [(start, min(start + self.rays_at_once, rays)) for start in starts]
+
+    def _trace_some(
+        self,
+        scene: Any,
+        origins: NDArray[np.float32],
+        directions: NDArray[np.float32],
+        seed: int,
+    ) -> NDArray[np.float32]:
+        count = len(origins)
+        rows = np.zeros(self.rays_at_once, np.int64)
+        rows[:count] = np.arange(count)
+        lanes = self.rays_at_once * self.samples
+        sampler = mi.load_dict({"type": "multijitter", "sample_count": self.samples})
+        sampler.set_samples_per_wavefront(self.samples)
+        sampler.seed(seed, lanes)
+        ray_index = dr.arange(mi.UInt32, lanes) // self.samples
+        ray = mi.RayDifferential3f(
+            _gather(origins[rows], ray_index), _gather(directions[rows], ray_index)
+        )
+        radiance, _, _ = self.integrator.sample(scene, sampler, ray, None, ray_index < count)
+        channels = [channel / self.samples for channel in radiance]
+        # Unless evaluated here, the sum would be fused into each path-tracing kernel anew.
+        dr.eval(channels)
+        sums = [dr.block_reduce(dr.ReduceOp.Add, channel, self.samples) for channel in channels]
+        return np.stack([np.array(channel) for channel in sums], axis=-1)[:count]
+
+
+def _gather(points: NDArray[np.float32], index: Any) -> Any:
+    table = mi.Float(np.ascontiguousarray(points, np.float32).reshape(-1))
+    return mi.Point3f(*(dr.gather(mi.Float, table, index * 3 + k) for k in range(3)))
+
+
+def first_hits(
+    scene: Any, origins: NDArray[np.float32], directions: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Distance (R,) in metres to the first surface along each ray; infinity where there is none."""
+    ray = mi.Ray3f(
+        mi.Point3f(np.ascontiguousarray(origins.T)), mi.Vector3f(np.ascontiguousarray(directions.T))
+    )
+    hit = scene.ray_intersect_preliminary(ray)
+    distance = np.array(hit.t, dtype=np.float32)
+    return np.where(np.array(hit.is_valid()), distance, np.float32(math.inf))

@@ -1,0 +1,89 @@
+"""A SynBRDF scene before it is rendered: everything that its seed decides."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.brdf.parameters import WardParameters
+from reflest_core.synbrdf.environments import load_environment, rotated
+from reflest_core.synbrdf.materials import draw_material
+from reflest_core.synbrdf.shapes.mesh import TriangleMesh
+from reflest_core.synbrdf.shapes.mesh_file import load_mesh
+from reflest_core.synbrdf.shapes.procedural import DIAMETERS, draw_procedural, draw_rotation
+from reflest_core.synbrdf.splits import Sources, Split
+from reflest_core.synbrdf.views import draw_views
+
+MESH_SHARE = 0.3
+"""Of the scenes show a mesh from a file, where there are any; the rest are procedural."""
+BLEND_SHARE = 0.3
+"""Of the training scenes stand in a blend of two environments."""
+TINT_STDDEV = 0.12
+"""Of the logarithm of each channel's tint in training scenes."""
+
+
+@dataclass(frozen=True)
+class Light:
+    """``radiance``: (H, 2 H, 3) float32 lat-long, linear sRGB. ``name``: its source(s)."""
+
+    name: str
+    rotation: float
+    radiance: NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One object of one material under one light, and the cameras that look at it."""
+
+    split: Split
+    index: int
+    material: WardParameters
+    shape: str
+    mesh: TriangleMesh
+    light: Light
+    poses: NDArray[np.float64]
+    view_pattern: str
+
+
+def draw_scene(seed: int, split: Split, index: int, sources: Sources, views: int) -> Scene:
+    """Scene ``index`` of ``split``; the same arguments give the same scene."""
+    rng = np.random.default_rng(np.random.SeedSequence([seed, split.number, index]))
+    material = draw_material(rng)
+    mesh, shape = _draw_shape(rng, sources)
+    light = _draw_light(rng, sources, vary=split is Split.TRAIN)
+    poses, pattern = draw_views(rng, views, mesh.diameter)
+    return Scene(split, index, material, shape, mesh, light, poses, pattern.value)
+
+
+def _draw_shape(rng: np.random.Generator, sources: Sources) -> tuple[TriangleMesh, str]:
+    from_file = len(sources.meshes) > 0 and rng.uniform() < MESH_SHARE
+    if from_file:
+        source = sources.meshes[int(rng.integers(len(sources.meshes)))]
+        mesh, name = load_mesh(source), source.name
+    else:
+        mesh, name = draw_procedural(rng)
+    rotation = draw_rotation(rng, upright=from_file)
+    return mesh.moved(rotation, float(rng.uniform(*DIAMETERS))), name
+
+
+def _draw_light(rng: np.random.Generator, sources: Sources, vary: bool) -> Light:
+    light = _one_light(rng, sources)
+    if not vary:
+        return light
+    if rng.uniform() < BLEND_SHARE:
+        other = _one_light(rng, sources)
+        share = np.float32(rng.uniform(0.2, 0.8))
+        scale = light.radiance.mean() / other.radiance.mean()
+        blended = share * light.radiance + (1 - share) * scale * other.radiance
+        light = Light(f"{light.name}+{other.name}", light.rotation, blended)
+    tint = np.exp(rng.normal(0.0, TINT_STDDEV, 3)).astype(np.float32)
+    return dataclasses.replace(light, radiance=light.radiance * tint)
+
+
+def _one_light(rng: np.random.Generator, sources: Sources) -> Light:
+    source = sources.environments[int(rng.integers(len(sources.environments)))]
+    angle = float(rng.uniform(0.0, 2 * np.pi))
+    return Light(source.name, angle, rotated(load_environment(source), angle))

@@ -1,0 +1,114 @@
+"""SynBRDF scenes on disk: shards of scenes in one safetensors file each, and a manifest."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from safetensors import SafetensorError, safe_open
+from safetensors.numpy import save_file
+
+from reflest_core.brdf.parameters import WardParameters, WardVariant
+from reflest_core.errors import ReflestError
+from reflest_core.fusion.observed_surface import ObservedSurface
+
+FORMAT = "synbrdf-sparse-1"
+MANIFEST = "manifest.json"
+
+
+class SceneFileError(ReflestError):
+    """A shard or manifest is missing, damaged or of another format."""
+
+
+@dataclass(frozen=True)
+class SynbrdfScene:
+    """What was seen of one scene, the truth, and how the scene came about.
+
+    ``exposure``: factor from ``radiance`` to the sensor's [0, 1]. ``radiance``: (O, 3) float16,
+    linear sRGB of every observation. ``environment_rotation``: radians about the vertical.
+    """
+
+    surface: ObservedSurface
+    truth: WardParameters
+    split: str
+    index: int
+    environment: str
+    environment_rotation: float
+    shape: str
+    view_pattern: str
+    exposure: float
+    radiance: NDArray[np.float16]
+
+
+def save_shard(path: Path, scenes: list[SynbrdfScene]) -> None:
+    """Write atomically; equal scenes give equal bytes."""
+    arrays: dict[str, NDArray[Any]] = {}
+    cards = []
+    for number, scene in enumerate(scenes):
+        for field in fields(ObservedSurface):
+            arrays[f"{number:03d}/{field.name}"] = getattr(scene.surface, field.name)
+        arrays[f"{number:03d}/radiance"] = scene.radiance
+        cards.append(_card(scene))
+    metadata = {"format": FORMAT, "scenes": json.dumps(cards, sort_keys=True)}
+    temporary = path.with_suffix(".partial")
+    save_file(arrays, temporary, metadata)
+    os.chmod(temporary, 0o644)
+    os.replace(temporary, path)
+
+
+def load_shard(path: Path) -> list[SynbrdfScene]:
+    """All scenes of one shard; :class:`SceneFileError` names a file that cannot be used."""
+    try:
+        with safe_open(path, framework="numpy") as file:
+            metadata = file.metadata() or {}
+            if metadata.get("format") != FORMAT:
+                raise SceneFileError(f"{path} is not a {FORMAT} shard; generate the data again")
+            cards = json.loads(metadata["scenes"])
+            return [_scene(file, number, card) for number, card in enumerate(cards)]
+    except (SafetensorError, OSError) as error:
+        raise SceneFileError(f"{path} is damaged ({error}); delete it and generate again") from error
+
+
+def load_scenes(folder: Path, split: str) -> Iterator[SynbrdfScene]:
+    """Scenes of one split, in order, from every shard that is there."""
+    if not (folder / MANIFEST).is_file():
+        raise SceneFileError(f"{folder} has no {MANIFEST}; make it with 'reflest synbrdf generate'")
+    for path in sorted(folder.glob(f"{split}-*.safetensors")):
+        yield from load_shard(path)
+
+
+def sha256(path: Path) -> str:
+    """Hash (hex) of a file's bytes."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _card(scene: SynbrdfScene) -> dict[str, Any]:
+    truth = scene.truth
+    card = {
+        field.name: getattr(scene, field.name)
+        for field in fields(scene)
+        if field.name not in ("surface", "truth", "radiance")
+    }
+    ward = {"rho_d": truth.rho_d, "rho_s": truth.rho_s, "alpha": truth.alpha}
+    return {**card, "truth": {**ward, "variant": truth.variant.value}}
+
+
+def _scene(file: Any, number: int, card: dict[str, Any]) -> SynbrdfScene:
+    arrays = {
+        field.name: file.get_tensor(f"{number:03d}/{field.name}")
+        for field in fields(ObservedSurface)
+    }
+    truth = card.pop("truth")
+    red, green, blue = truth["rho_d"]
+    ward = WardParameters(
+        (red, green, blue), truth["rho_s"], truth["alpha"], WardVariant(truth["variant"])
+    )
+    radiance = file.get_tensor(f"{number:03d}/radiance")
+    return SynbrdfScene(surface=ObservedSurface(**arrays), truth=ward, radiance=radiance, **card)

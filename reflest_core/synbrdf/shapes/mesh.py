@@ -1,0 +1,102 @@
+"""A triangle mesh with shading normals, as the renderer takes it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class TriangleMesh:
+    """``vertices``, ``normals``: (V, 3) float64, metres / unit length. ``faces``: (F, 3) int64.
+
+    Faces run anticlockwise seen from outside.
+    """
+
+    vertices: FloatArray
+    normals: FloatArray
+    faces: IntArray
+
+    @property
+    def face_areas(self) -> FloatArray:
+        """(F,) square metres."""
+        area: FloatArray = 0.5 * np.linalg.norm(_face_vectors(self.vertices, self.faces), axis=1)
+        return area
+
+    @property
+    def diameter(self) -> float:
+        """Twice the distance of the farthest vertex from the origin."""
+        return 2.0 * float(np.linalg.norm(self.vertices, axis=1).max())
+
+    def moved(self, rotation: FloatArray, diameter: float) -> TriangleMesh:
+        """Centre the bounding box at the origin, rotate (3, 3), and scale to ``diameter``."""
+        vertices = (self.vertices - _box_centre(self.vertices)) @ rotation.T
+        vertices = vertices - _box_centre(vertices)
+        scale = diameter / (2.0 * np.linalg.norm(vertices, axis=1).max())
+        return TriangleMesh(vertices * scale, self.normals @ rotation.T, self.faces)
+
+
+def with_crease_normals(
+    vertices: FloatArray, faces: IntArray, crease_angle: float = 40.0
+) -> TriangleMesh:
+    """Shade smoothly across edges flatter than ``crease_angle`` degrees and keep sharper ones.
+
+    A corner's normal is the area-weighted mean of those faces at its vertex that lie within the
+    angle of its own face; every corner becomes a vertex.
+    """
+    faces = faces[np.linalg.norm(_face_vectors(vertices, faces), axis=1) > 0.0]
+    weighted = _face_vectors(vertices, faces)
+    unit = weighted / np.linalg.norm(weighted, axis=1, keepdims=True)
+    corner_vertex = faces.reshape(-1)
+    corner_face = np.repeat(np.arange(len(faces)), 3)
+    order = np.argsort(corner_vertex, kind="stable")
+    valence = np.bincount(corner_vertex, minlength=len(vertices))
+    first = np.concatenate([[0], np.cumsum(valence)[:-1]])
+    normals = np.zeros((len(corner_vertex), 3))
+    cosine = np.cos(np.deg2rad(crease_angle))
+    # One pass per slot of the largest fan of faces about a vertex.
+    for slot in range(int(valence.max())):
+        corners = np.nonzero(valence[corner_vertex] > slot)[0]
+        neighbour = corner_face[order[first[corner_vertex[corners]] + slot]]
+        alike = np.einsum("ij,ij->i", unit[corner_face[corners]], unit[neighbour]) >= cosine
+        normals[corners[alike]] += weighted[neighbour[alike]]
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.where(length > 0.0, normals / np.maximum(length, 1e-300), unit[corner_face])
+    return TriangleMesh(vertices[corner_vertex], normals, np.arange(3 * len(faces)).reshape(-1, 3))
+
+
+def facing_outwards(vertices: FloatArray, faces: IntArray) -> IntArray:
+    """Flip all faces if the signed volume that they enclose is negative."""
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum()
+    return faces if volume >= 0.0 else faces[:, ::-1]
+
+
+def grid_faces(rows: int, columns: int, wrap_rows: bool, wrap_columns: bool) -> IntArray:
+    """Triangles (F, 3) of a (rows, columns) grid of vertices, closed round where it wraps."""
+    row = np.arange(rows if wrap_rows else rows - 1)[:, None]
+    column = np.arange(columns if wrap_columns else columns - 1)[None, :]
+    next_row, next_column = (row + 1) % rows, (column + 1) % columns
+    corner = [
+        np.broadcast_to(r * columns + c, (row.size, column.size)).reshape(-1)
+        for r, c in ((row, column), (next_row, column), (next_row, next_column), (row, next_column))
+    ]
+    return np.concatenate(
+        [np.stack([corner[0], corner[1], corner[2]], 1), np.stack([corner[0], corner[2], corner[3]], 1)]
+    )
+
+
+def _face_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Face normals (F, 3) of twice the face's area in length."""
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    return np.cross(b - a, c - a)
+
+
+def _box_centre(vertices: FloatArray) -> FloatArray:
+    centre: FloatArray = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
+    return centre

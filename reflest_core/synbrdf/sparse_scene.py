@@ -1,0 +1,146 @@
+"""Sparse rendering: only what the networks eat, each surface point's colour from each view.
+
+Importing this module loads Mitsuba.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.brdf.parameters import WardParameters
+from reflest_core.capture.camera import CameraIntrinsics
+from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.synbrdf.exposure import auto_exposure, expose
+from reflest_core.synbrdf.mitsuba_scene import RadianceTracer, first_hits, mitsuba_scene
+from reflest_core.synbrdf.scene import Scene
+from reflest_core.synbrdf.scene_file import SynbrdfScene
+from reflest_core.synbrdf.surface_points import draw_surface_points
+from reflest_core.synbrdf.ward_bsdf import ward_bsdf
+
+MAX_GRAZING_COSINE = 0.25
+"""A view further from the normal (75.5 degrees) does not see a point, as in fusion."""
+THUMBNAIL = CameraIntrinsics(48, 36, 39.4, 39.4, 23.5, 17.5)
+"""F and B are taken from images of a VGA depth camera's view, 48 x 36 pixels."""
+VISIBLE_TOLERANCE = 2e-3
+"""Metres between a point and the first surface along its ray within which it is seen."""
+
+
+@dataclass(frozen=True)
+class SparseSettings:
+    """``points`` on the surface, ``views`` cameras, ``samples`` a ray, and a thumbnail's pixel."""
+
+    points: int = 400
+    views: int = 100
+    samples: int = 64
+    thumbnail_samples: int = 4
+
+
+class SparseRenderer:
+    """Renders scenes one after another with one set of kernels."""
+
+    def __init__(self, settings: SparseSettings) -> None:
+        self.settings = settings
+        self.tracer = RadianceTracer(settings.samples, lanes=1 << 20)
+        self.thumbnails = RadianceTracer(settings.thumbnail_samples, lanes=3 << 18, depth=3)
+        self.bsdf = ward_bsdf(WardParameters((0.5, 0.5, 0.5), 0.1, 0.1))
+
+    def render(self, scene: Scene, seed: int) -> SynbrdfScene:
+        """Trace every visible pair of point and view; the same seed gives the same scene."""
+        rng = np.random.default_rng(np.random.SeedSequence([seed, scene.split.number, scene.index]))
+        trace_seed = int(rng.integers(2**31))
+        self.bsdf.set_parameters(scene.material)
+        rendered = mitsuba_scene(scene.mesh, self.bsdf, scene.light.radiance)
+        positions, normals = draw_surface_points(scene.mesh, self.settings.points, rng)
+        centres = scene.poses[:, :3, 3].astype(np.float32)
+        point_of, view_of = visible_pairs(rendered, positions, normals, centres)
+        directions = _unit(positions[point_of] - centres[view_of])
+        radiance = self.tracer.trace(rendered, centres[view_of], directions, trace_seed)
+        thumbnails, is_foreground = self._thumbnails(rendered, scene.poses, trace_seed)
+        exposure = auto_exposure(thumbnails)
+        foreground, background = mean_colours(expose(thumbnails, exposure), is_foreground)
+        counts = np.bincount(point_of, minlength=len(positions))
+        surface = ObservedSurface(
+            positions=positions,
+            normals=normals,
+            offsets=np.concatenate([[0], np.cumsum(counts)]),
+            colours=expose(radiance, exposure),
+            view_indices=view_of.astype(np.uint16),
+            view_centres=centres,
+            view_foreground=foreground,
+            view_background=background,
+        )
+        return SynbrdfScene(
+            surface=surface,
+            truth=scene.material,
+            split=scene.split.value,
+            index=scene.index,
+            environment=scene.light.name,
+            environment_rotation=scene.light.rotation,
+            shape=scene.shape,
+            view_pattern=scene.view_pattern,
+            exposure=exposure,
+            radiance=radiance.astype(np.float16),
+        )
+
+    def _thumbnails(
+        self, rendered: Any, poses: NDArray[np.float64], seed: int
+    ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+        """Radiance (W, P, 3) and where the object is (W, P) in a small image of every view."""
+        origins, directions = camera_rays(THUMBNAIL, poses)
+        hits = np.isfinite(first_hits(rendered, origins, directions))
+        radiance = self.thumbnails.trace(rendered, origins, directions, seed + 1)
+        return radiance.reshape(len(poses), -1, 3), hits.reshape(len(poses), -1)
+
+
+def camera_rays(
+    camera: CameraIntrinsics, poses: NDArray[np.float64]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Origins and unit directions (W * H * width, 3) through the pixel centres of every pose."""
+    u, v = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
+    local = np.stack(
+        [(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, np.ones(u.shape)], axis=-1
+    ).reshape(-1, 3)
+    directions = np.einsum("wij,pj->wpi", poses[:, :3, :3], local)
+    origins = np.broadcast_to(poses[:, None, :3, 3], directions.shape)
+    return (
+        origins.reshape(-1, 3).astype(np.float32),
+        _unit(directions.reshape(-1, 3).astype(np.float32)),
+    )
+
+
+def visible_pairs(
+    rendered: Any,
+    positions: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    centres: NDArray[np.float32],
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Indices of points and views that see each other, ordered by point, then view."""
+    towards = centres[None] - positions[:, None]
+    cosines = np.einsum("pwk,pk->pw", _unit(towards), normals)
+    point_of, view_of = np.nonzero(cosines > MAX_GRAZING_COSINE)
+    separation = positions[point_of] - centres[view_of]
+    distance = np.linalg.norm(separation, axis=1)
+    hit = first_hits(rendered, centres[view_of], _unit(separation))
+    seen = np.abs(hit - distance) < VISIBLE_TOLERANCE
+    return point_of[seen], view_of[seen]
+
+
+def mean_colours(
+    images: NDArray[np.uint8], is_foreground: NDArray[np.bool_]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """F and B (W, 3), mean 8-bit colour of (W, P, 3) images; NaN where there is no such pixel."""
+    with np.errstate(invalid="ignore"):
+        means = [
+            np.where(part[..., None], images, 0).sum(axis=1) / part.sum(axis=1)[:, None]
+            for part in (is_foreground, ~is_foreground)
+        ]
+    return means[0].astype(np.float32), means[1].astype(np.float32)
+
+
+def _unit(vectors: NDArray[np.float32]) -> NDArray[np.float32]:
+    unit: NDArray[np.float32] = vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return unit

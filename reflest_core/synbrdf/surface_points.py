@@ -1,0 +1,25 @@
+"""Points spread over a mesh: the voxels of a sparse scene."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.synbrdf.shapes.mesh import TriangleMesh
+
+
+def draw_surface_points(
+    mesh: TriangleMesh, count: int, rng: np.random.Generator
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Positions and shading normals (count, 3), uniform over the area."""
+    share = np.cumsum(mesh.face_areas)
+    faces = np.searchsorted(share, rng.uniform(0, share[-1], count), side="right")
+    corners = mesh.faces[np.minimum(faces, len(mesh.faces) - 1)]
+    first, second = rng.uniform(size=(2, count))
+    folded = first + second > 1
+    first, second = np.where(folded, 1 - first, first), np.where(folded, 1 - second, second)
+    weights = np.stack([1 - first - second, first, second], axis=1)
+    positions = np.einsum("pc,pck->pk", weights, mesh.vertices[corners])
+    normals = np.einsum("pc,pck->pk", weights, mesh.normals[corners])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    return positions.astype(np.float32), normals.astype(np.float32)
