@@ -45,13 +45,6 @@ def check_camera_info(
         raise _invalid(topic, f"describes an image of {width} x {height} pixels")
     matrix = _matrix(info, topic, settings.rectified)
     fx, skew, cx, fy, cy = matrix[0, 0], matrix[0, 1], matrix[0, 2], matrix[1, 1], matrix[1, 2]
-    name = "P" if settings.rectified else "K"
-    if not np.isfinite(matrix).all() or fx <= 0.0 or fy <= 0.0 or skew != 0.0:
-        raise _invalid(
-            topic,
-            f"has {name} with fx = {fx:g}, fy = {fy:g}, cx = {cx:g}, cy = {cy:g}, skew = {skew:g}; "
-            "focal lengths must be positive, all finite and skew 0",
-        )
     intrinsics = CameraIntrinsics(
         width=width,
         height=height,
@@ -60,6 +53,14 @@ def check_camera_info(
         cx=(float(cx) - left) / bin_x,
         cy=(float(cy) - top) / bin_y,
     )
+    is_finite = np.isfinite(matrix).all() and np.isfinite(intrinsics.matrix).all()
+    if not is_finite or intrinsics.fx <= 0.0 or intrinsics.fy <= 0.0 or skew != 0.0:
+        raise _invalid(
+            topic,
+            f"has {'P' if settings.rectified else 'K'} with fx = {fx:g}, fy = {fy:g}, "
+            f"cx = {cx:g}, cy = {cy:g}, skew = {skew:g}; focal lengths must be positive, all "
+            "finite and skew 0",
+        )
     distortion = () if settings.rectified else _checked_distortion(info, topic)
     return CalibratedCamera(intrinsics, distortion)
 

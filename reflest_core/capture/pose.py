@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -35,7 +36,7 @@ def check_pose(pose: PoseMessage, topic: str) -> tuple[NDArray[np.float64], NDAr
             RefusalCause.POSE_INVALID,
             f"{at} lies more than {FURTHEST:.0e} m from the origin: check the tracker's units",
         )
-    norm = float(np.linalg.norm(quaternion))
+    norm = math.hypot(*quaternion)
     if abs(norm - 1.0) > UNIT_TOLERANCE:
         raise FrameRefused(
             RefusalCause.POSE_INVALID,
@@ -128,7 +129,7 @@ def pose_to_camera_matrix(values: Sequence[float]) -> NDArray[np.float64]:
         raise ParameterError(
             f"pose_to_camera = {tuple(values)} is not x, y, z and a quaternion x, y, z, w"
         )
-    norm = float(np.linalg.norm(numbers[3:]))
+    norm = math.hypot(*numbers[3:])
     if abs(norm - 1.0) > UNIT_TOLERANCE:
         raise ParameterError(f"pose_to_camera has a quaternion of norm {norm:.3g} instead of 1")
     return rigid_matrix(numbers[:3], numbers[3:] / norm)

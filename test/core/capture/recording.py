@@ -6,7 +6,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from reflest_core.capture.messages import (
@@ -129,9 +129,18 @@ def changed(messages, role, index, **fields):
     ]
 
 
-def write_bag(folder: Path, messages, storage="mcap", topics=TOPICS, log_offset=lambda role: 0):
+def write_bag(
+    folder: Path,
+    messages,
+    storage="mcap",
+    topics=TOPICS,
+    log_offset=lambda role: 0,
+    compression=CompressionMode.NONE,
+):
     """Write a rosbag2 directory; return its one data file."""
-    with Writer(folder, version=9, storage_plugin=StoragePlugin[storage.upper()]) as writer:
+    writer = Writer(folder, version=9, storage_plugin=StoragePlugin[storage.upper()])
+    writer.set_compression(compression, CompressionFormat.ZSTD)
+    with writer:
         connections = {}
         for recorded in messages:
             message_type, message = _as_ros(recorded.message)
@@ -140,7 +149,7 @@ def write_bag(folder: Path, messages, storage="mcap", topics=TOPICS, log_offset=
                 connections[key] = writer.add_connection(*key, typestore=STORE)
             log_time = recorded.message.stamp_ns + log_offset(recorded.role)
             writer.write(connections[key], log_time, STORE.serialize_cdr(message, message_type))
-    return next(path for path in folder.iterdir() if path.suffix in (".mcap", ".db3"))
+    return next(path for path in folder.iterdir() if path.name != "metadata.yaml")
 
 
 def _ros(name, **fields):

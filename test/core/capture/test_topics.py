@@ -1,0 +1,107 @@
+"""Topics are found where unambiguous; else the sentence lists candidates and the option."""
+
+import pytest
+
+from reflest_core.capture.cdr import CAMERA_INFO, COMPRESSED_IMAGE, IMAGE, ODOMETRY, POSE_STAMPED
+from reflest_core.capture.errors import CaptureError
+from reflest_core.capture.messages import Role
+from reflest_core.capture.topics import CandidateTopic, TopicChoice, choose_topics
+
+RGB = CandidateTopic("/cam/color/image_raw", IMAGE, "rgb8")
+DEPTH = CandidateTopic("/cam/aligned/image_raw", IMAGE, "16UC1")
+INFO = CandidateTopic("/cam/color/camera_info", CAMERA_INFO)
+POSE = CandidateTopic("/pose", POSE_STAMPED)
+OTHER = CandidateTopic("/imu", "sensor_msgs/msg/Imu")
+ALL = [OTHER, POSE, INFO, DEPTH, RGB]
+
+
+def choose(candidates, **named):
+    return choose_topics(candidates, TopicChoice(**named), "bag")
+
+
+def test_one_of_each_is_found_by_type_and_encoding():
+    assert choose(ALL) == {
+        Role.RGB: RGB.name,
+        Role.DEPTH: DEPTH.name,
+        Role.CAMERA_INFO: INFO.name,
+        Role.POSE: POSE.name,
+    }
+
+
+def test_infrared_does_not_compete_with_colour_but_serves_without_it():
+    infrared = CandidateTopic("/cam/infra1/image", IMAGE, "mono8")
+    assert choose([*ALL, infrared])[Role.RGB] == RGB.name
+    assert choose([*ALL[:-1], infrared])[Role.RGB] == infrared.name
+
+
+def test_of_several_infos_the_one_beside_colour_is_taken():
+    depth_info = CandidateTopic("/cam/aligned/camera_info", CAMERA_INFO)
+    assert choose([*ALL, depth_info])[Role.CAMERA_INFO] == INFO.name
+    packed = CandidateTopic("/cam/color/image_raw/compressed", COMPRESSED_IMAGE, "jpeg")
+    assert choose([*ALL[:-1], packed, depth_info])[Role.CAMERA_INFO] == INFO.name
+
+
+def test_compressed_depth_is_depth():
+    packed = CandidateTopic(
+        "/cam/d/compressedDepth", COMPRESSED_IMAGE, "16UC1; compressedDepth png"
+    )
+    chosen = choose([OTHER, POSE, INFO, RGB, packed])
+    assert (chosen[Role.RGB], chosen[Role.DEPTH]) == (RGB.name, packed.name)
+
+
+@pytest.mark.parametrize(
+    ("second", "option"),
+    [
+        (CandidateTopic("/other/image", IMAGE, "bgr8"), "--rgb-topic"),
+        (CandidateTopic("/other/depth", IMAGE, "32FC1"), "--depth-topic"),
+        (CandidateTopic("/odom", ODOMETRY), "--pose-topic"),
+    ],
+)
+def test_several_that_fit_are_listed_with_the_option(second, option):
+    with pytest.raises(CaptureError) as error:
+        choose([*ALL, second])
+    assert option in str(error.value)
+    assert str(second) in str(error.value)
+    role = option[2:].split("-")[0]
+    assert choose([*ALL, second], **{role: second.name})[Role(role)] == second.name
+
+
+@pytest.mark.parametrize(
+    ("absent", "words"),
+    [
+        (RGB, ["no rgb topic", DEPTH.name, "--rgb-topic"]),
+        (DEPTH, ["no depth topic", "16UC1, 32FC1", RGB.name, "--depth-topic"]),
+        (INFO, ["no camera_info topic", "/imu (Imu)"]),
+        (POSE, ["no pose topic", "PoseStamped or nav_msgs/msg/Odometry", "/imu (Imu)"]),
+    ],
+)
+def test_a_missing_topic_is_named_with_what_there_is(absent, words):
+    with pytest.raises(CaptureError) as error:
+        choose([topic for topic in ALL if topic is not absent])
+    for word in words:
+        assert word in str(error.value)
+
+
+def test_an_encoding_that_is_not_read_is_shown():
+    bayer = CandidateTopic("/cam/bayer", IMAGE, "bayer_rggb8")
+    with pytest.raises(CaptureError, match=r"/cam/bayer \(Image, bayer_rggb8\)"):
+        choose([*ALL[:-1], bayer])
+
+
+def test_poses_in_tf_alone_are_explained():
+    with pytest.raises(CaptureError, match="/tf are not read"):
+        choose([RGB, DEPTH, INFO, CandidateTopic("/tf", "tf2_msgs/msg/TFMessage")])
+
+
+@pytest.mark.parametrize("name", ["/nothing", "/pose"])
+def test_a_named_topic_that_cannot_be_it_lists_what_can(name):
+    with pytest.raises(CaptureError) as error:
+        choose(ALL, depth=name)
+    assert name in str(error.value)
+    assert str(DEPTH) in str(error.value)
+
+
+def test_a_mask_is_used_only_where_named():
+    mask = CandidateTopic("/mask", IMAGE, "mono8")
+    assert Role.MASK not in choose([*ALL, mask])
+    assert choose([*ALL, mask], mask="/mask")[Role.MASK] == "/mask"
