@@ -40,7 +40,11 @@ def orbit(n, count, distance=0.5, elevation_degrees=25.0):
     azimuth = 2.0 * np.pi * n / count
     elevation = np.radians(elevation_degrees) * np.sin(3.0 * azimuth + 0.3)
     return distance * np.array(
-        [np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)]
+        [
+            np.cos(azimuth) * np.cos(elevation),
+            np.sin(azimuth) * np.cos(elevation),
+            np.sin(elevation),
+        ]
     )
 
 

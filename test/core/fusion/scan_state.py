@@ -1,0 +1,27 @@
+"""Everything a scan holds, to compare bit for bit."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+
+def state_of(scan):
+    arrays = {
+        f"{type(stage).__name__}.{name}": array[: stage.count].copy()
+        for stage in (scan.volume, scan.store, scan.views)
+        for name, array in stage.arrays.items()
+    }
+    arrays["numbers"] = np.array([scan.frame_number, scan.last_stamp_ns or -1])
+    return arrays
+
+
+def assert_same_arrays(one, other):
+    assert one.keys() == other.keys()
+    for name in one:
+        np.testing.assert_array_equal(one[name], other[name], err_msg=name, strict=True)
+
+
+def assert_same_surface(one, other):
+    assert_same_arrays(dataclasses.asdict(one), dataclasses.asdict(other))

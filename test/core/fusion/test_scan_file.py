@@ -1,0 +1,157 @@
+import json
+
+import numpy as np
+import pytest
+
+from reflest_core.errors import ReflestError
+from reflest_core.fusion.scan import Scan
+from reflest_core.fusion.scan_file import ScanFileError
+from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from test.core.fusion.analytic_scene import orbit_frames
+from test.core.fusion.scan_state import assert_same_arrays, assert_same_surface, state_of
+
+SETTINGS = FusionSettings(max_depth=1.0, observations_per_voxel=6)
+REGION = RegionSettings("sphere", (0.0, 0.0, 0.01), (0.3, 0.3, 0.3))
+
+
+@pytest.fixture
+def scan():
+    scan = Scan(SETTINGS, REGION)
+    for frame in orbit_frames(24)[:10]:
+        scan.fuse(frame)
+    return scan
+
+
+@pytest.fixture
+def saved(scan, tmp_path):
+    path = tmp_path / "cup.scan"
+    scan.save(path)
+    return path
+
+
+def rewrite(path, **changes):
+    """Replace arrays of a saved file; a dict given as ``header`` changes the header's entries."""
+    with np.load(path) as file:
+        arrays = {name: file[name] for name in file.files}
+    header = json.loads(str(arrays["header"])) | changes.pop("header", {})
+    arrays = arrays | changes | {"header": np.array(json.dumps(header))}
+    with path.open("wb") as file:
+        np.savez(file, **{name: array for name, array in arrays.items() if array is not None})
+
+
+def test_loaded_scan_is_the_saved_one_and_goes_on_as_it_would(scan, saved):
+    loaded = Scan.load(saved)
+    assert (loaded.fusion, loaded.region_settings) == (SETTINGS, REGION)
+    assert_same_arrays(state_of(scan), state_of(loaded))
+    assert_same_surface(scan.snapshot(), loaded.snapshot())
+    for frame in orbit_frames(24)[10:]:
+        assert repr(scan.fuse(frame)) == repr(loaded.fuse(frame))
+    assert_same_arrays(state_of(scan), state_of(loaded))
+
+
+def test_empty_scan_round_trips(tmp_path):
+    Scan(SETTINGS, REGION).save(tmp_path / "empty.scan")
+    loaded = Scan.load(tmp_path / "empty.scan")
+    assert loaded.voxel_count == 0
+    assert loaded.fuse(orbit_frames(1)[0]).is_new_view
+
+
+def test_saving_replaces_and_leaves_nothing_else(scan, saved):
+    scan.save(saved)
+    assert [p.name for p in saved.parent.iterdir()] == [saved.name]
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(ScanFileError, match="there is no scan file"):
+        Scan.load(tmp_path / "none.scan")
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.9, 0.999])
+def test_truncated_file(saved, share):
+    whole = saved.read_bytes()
+    saved.write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(ScanFileError, match=r"cup\.scan"):
+        Scan.load(saved)
+
+
+def test_flipped_byte(saved):
+    whole = bytearray(saved.read_bytes())
+    whole[len(whole) // 2] ^= 0xFF
+    saved.write_bytes(whole)
+    with pytest.raises(ScanFileError, match="damaged"):
+        Scan.load(saved)
+
+
+def test_other_files(tmp_path):
+    text = tmp_path / "notes.txt"
+    text.write_text("not a scan")
+    with pytest.raises(ScanFileError, match="not a scan"):
+        Scan.load(text)
+    np.savez(tmp_path / "weights.npz", weights=np.ones(3))
+    with pytest.raises(ScanFileError, match="not a scan"):
+        Scan.load(tmp_path / "weights.npz")
+    with pytest.raises(ScanFileError):
+        Scan.load(tmp_path)
+
+
+def test_pickle_is_not_opened(saved):
+    rewrite(saved, store_keys=np.array([{"a": 1}], object))
+    with pytest.raises(ScanFileError):
+        Scan.load(saved)
+
+
+def test_other_version_is_named(saved):
+    rewrite(saved, header={"version": 99})
+    with pytest.raises(ScanFileError, match="version 99"):
+        Scan.load(saved)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"store_counts": None},
+        {"store_keys": np.zeros(3, np.int64)},
+        {"volume_tsdf": np.zeros((2, 8, 8, 8), np.float64)},
+        {"views_stamps": np.zeros(9, np.int64)},
+        {"header": {"frame_number": "many"}},
+        {"header": {"fusion": {"voxels": 3}}},
+    ],
+)
+def test_contents_that_do_not_fit(saved, changes):
+    rewrite(saved, **changes)
+    with pytest.raises(ScanFileError, match="damaged"):
+        Scan.load(saved)
+
+
+def test_observation_of_a_view_that_is_not_there(saved):
+    with np.load(saved) as file:
+        view_ids = file["store_view_ids"]
+    view_ids[0, 0] = 4000
+    rewrite(saved, store_view_ids=view_ids)
+    with pytest.raises(ScanFileError, match="damaged"):
+        Scan.load(saved)
+
+
+def test_setting_out_of_range_is_one_sentence(saved):
+    fusion = {"voxel_size": 77.0}
+    rewrite(saved, header={"fusion": fusion})
+    with pytest.raises(ReflestError, match="voxel_size"):
+        Scan.load(saved)
+
+
+def test_failed_save_leaves_the_file_as_it_was(scan, saved, monkeypatch):
+    before = saved.read_bytes()
+
+    def full(*_args, **_kwargs):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", full)
+    with pytest.raises(ScanFileError, match="No space left"):
+        scan.save(saved)
+    assert saved.read_bytes() == before
+    assert [p.name for p in saved.parent.iterdir()] == [saved.name]
+
+
+def test_folder_that_is_not_there(scan, tmp_path):
+    with pytest.raises(ScanFileError, match="cannot write"):
+        scan.save(tmp_path / "none" / "cup.scan")

@@ -1,0 +1,65 @@
+"""A refused frame says why and leaves the scan as it was, bit for bit."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from reflest_core.capture.refusal import FrameRefused, RefusalCause
+from reflest_core.fusion.scan import Scan
+from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from test.core.fusion.analytic_scene import OBJECT, look_at, orbit, orbit_frames, render
+from test.core.fusion.scan_state import assert_same_arrays, state_of
+
+REGION = RegionSettings("box", (0.0, 0.0, 0.0), (0.3, 0.3, 0.3))
+
+
+def next_frame(**changes):
+    frame = render([OBJECT], look_at(orbit(5, 24)), 9)
+    return dataclasses.replace(frame, **changes)
+
+
+def empty_depth():
+    return next_frame(depth=np.zeros((120, 160), np.float32))
+
+
+def nan_depth():
+    return next_frame(depth=np.full((120, 160), np.nan, np.float32))
+
+
+def looking_away():
+    return render([OBJECT], look_at((0.5, 0.0, 0.0), (1.0, 0.0, 0.0)), 9, background_depth=0.7)
+
+
+def empty_mask():
+    return next_frame(mask=np.zeros((120, 160), bool))
+
+
+@pytest.mark.parametrize(
+    ("frame", "cause", "words"),
+    [
+        (empty_depth(), RefusalCause.DEPTH_EMPTY, "depth topic"),
+        (nan_depth(), RefusalCause.DEPTH_EMPTY, "depth topic"),
+        (looking_away(), RefusalCause.NO_OVERLAP, "region of interest"),
+        (empty_mask(), RefusalCause.NO_OVERLAP, "mask"),
+        (next_frame(stamp_ns=99_000_000), RefusalCause.TIME_BACKWARDS, "reset"),
+        (next_frame(stamp_ns=5), RefusalCause.TIME_BACKWARDS, "reset"),
+    ],
+)
+def test_refusal_names_its_cause_and_changes_nothing(frame, cause, words):
+    scan = Scan(FusionSettings(max_depth=1.0), REGION)
+    for earlier in orbit_frames(3):
+        scan.fuse(earlier)
+    before = state_of(scan)
+    with pytest.raises(FrameRefused, match=words) as refused:
+        scan.fuse(frame)
+    assert refused.value.cause is cause
+    assert_same_arrays(before, state_of(scan))
+    scan.fuse(next_frame())
+
+
+def test_nothing_inside_max_depth():
+    scan = Scan(FusionSettings(max_depth=0.2), RegionSettings())
+    with pytest.raises(FrameRefused, match="max_depth") as refused:
+        scan.fuse(next_frame())
+    assert refused.value.cause is RefusalCause.NO_OVERLAP
