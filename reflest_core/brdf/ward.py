@@ -47,14 +47,15 @@ def specular(
     above = (cos_i > 0) & (cos_o > 0)
     one = xp.ones_like(cos_i * cos_o)
     half = omega_i + omega_o
-    half_squared = xp.where(above, xp.sum(half * half, axis=-1), one)
     half_z_squared = xp.where(above, half[..., 2] ** 2, one)
-    tan_squared = xp.clip(half_squared / half_z_squared - 1, 0, None)
+    across_squared = half[..., 0] ** 2 + half[..., 1] ** 2
+    tan_squared = across_squared / half_z_squared
     lobe = xp.exp(-tan_squared / alpha**2) / (4 * math.pi * alpha**2)
     if variant is WardVariant.WARD_1992:
         normalisation = xp.sqrt(xp.where(above, cos_i * cos_o, one))
     else:
         # (l.h)^2 cos^4 theta_h with the half vector left at length |i + o| = 2 (l.h).
-        normalisation = half_z_squared**2 / (4 * half_squared)
+        length_squared = xp.where(above, across_squared + half_z_squared, one)
+        normalisation = half_z_squared**2 / (4 * length_squared)
     value = rho_s * lobe / normalisation
     return xp.where(above, value, xp.zeros_like(value))
