@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.jit import compiled
+from reflest_core.fusion.jit import compiled, kernel_array
 
 
 def foreground_background_means(
@@ -15,7 +15,7 @@ def foreground_background_means(
 
     ``rgb``: (H, W, 3) uint8. ``foreground``: (H, W) bool; the background is the rest.
     """
-    sums, counts = _sum_colours(np.ascontiguousarray(rgb), foreground)
+    sums, counts = _sum_colours(kernel_array(rgb, np.uint8), kernel_array(foreground, np.bool_))
     means = np.full((2, 3), np.nan, np.float32)
     for n in range(2):
         if counts[n]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.depth_edges import clear_of_edges
-from reflest_core.fusion.jit import compiled
+from reflest_core.fusion.jit import compiled, kernel_array
 from reflest_core.fusion.region import Region, inside_region
 from reflest_core.fusion.settings import FusionSettings
 from reflest_core.fusion.slant import surface_slant
@@ -40,15 +40,16 @@ class FramePixels:
 
 def classify_pixels(frame: Frame, region: Region, settings: FusionSettings) -> FramePixels:
     """Foreground is the mask if there is one, else the region, else depth inside ``max_depth``."""
-    is_known = np.isfinite(frame.depth) & (frame.depth > 0.0)
-    depth: NDArray[np.float32] = np.where(is_known, frame.depth, 0.0).astype(np.float32)
+    depth: NDArray[np.float32] = kernel_array(frame.depth, np.float32)
+    is_known = np.isfinite(depth) & (depth > 0.0)
+    depth = np.where(is_known, depth, np.float32(0.0))
     within_reach = is_known & (depth <= settings.max_depth)
     if frame.mask is not None:
-        foreground = frame.mask
+        foreground = kernel_array(frame.mask, np.bool_)
     elif region.shape:
         camera = frame.intrinsics
         foreground = _in_region(
-            depth, np.ascontiguousarray(frame.T_world_camera, np.float64),
+            depth, kernel_array(frame.T_world_camera, np.float64),
             camera.fx, camera.fy, camera.cx, camera.cy,
             int(region.shape), region.centre, region.half_size,
         )  # fmt: skip

@@ -9,9 +9,11 @@ kernel itself, so delete ``__pycache__`` after editing a function that other fil
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
 
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -19,3 +21,12 @@ F = TypeVar("F", bound=Callable[..., object])
 def compiled(function: F) -> F:
     """Return ``function`` compiled to machine code at its first call."""
     return cast(F, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+
+
+def kernel_array(array: NDArray[Any], dtype: DTypeLike) -> NDArray[Any]:
+    """``array`` itself or a copy: of ``dtype``, C-contiguous and writable.
+
+    A kernel is compiled anew, for seconds, for every other layout; images that wrap a message's
+    buffer, for one, are read-only.
+    """
+    return np.require(array, dtype, ["C", "W"])

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.jit import compiled
+from reflest_core.fusion.jit import compiled, kernel_array
 from reflest_core.fusion.settings import RegionSettings
 
 
@@ -39,7 +39,7 @@ class Region:
 
     def contains(self, points: NDArray[np.floating]) -> NDArray[np.bool_]:
         """(N,) bool for (N, 3) points in the world frame; the boundary counts as inside."""
-        flat = np.ascontiguousarray(points, np.float64)
+        flat = kernel_array(points, np.float64)
         return _inside_all(int(self.shape), self.centre, self.half_size, flat)
 
 

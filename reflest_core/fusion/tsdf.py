@@ -18,6 +18,7 @@ from reflest_core.fusion.block_allocation import allocate_blocks, pixel_stride
 from reflest_core.fusion.block_erasure import erase_blocks, surface_keys
 from reflest_core.fusion.foreground import FramePixels
 from reflest_core.fusion.integration import integrate_blocks
+from reflest_core.fusion.jit import kernel_array
 from reflest_core.fusion.key_index import BYTES_PER_ROW, KeyIndex, are_unique_keys
 from reflest_core.fusion.surface_extraction import extract_surface
 from reflest_core.fusion.tsdf_blocks import TsdfBlocks
@@ -96,7 +97,7 @@ class TsdfVolume:
             return np.empty(0, np.int64)
         K = frame.intrinsics.matrix
         stride = pixel_stride(self.voxel_size, min(K[0, 0], K[1, 1]), farthest)
-        T = np.ascontiguousarray(frame.T_world_camera, np.float64)
+        T = kernel_array(frame.T_world_camera, np.float64)
         erased = [np.empty(0, np.int64)]
         while True:
             self.count, is_full = allocate_blocks(
@@ -114,7 +115,7 @@ class TsdfVolume:
 
     def integrate(self, frame: Frame, pixels: FramePixels, frame_number: int) -> NDArray[np.int64]:
         """Fuse the frame's depth; return the slots of the blocks that changed."""
-        T_camera_world = np.ascontiguousarray(np.linalg.inv(frame.T_world_camera), np.float64)
+        T_camera_world = kernel_array(np.linalg.inv(frame.T_world_camera), np.float64)
         return integrate_blocks(
             pixels.depth, pixels.slant, pixels.free_depth, T_camera_world,
             frame.intrinsics.matrix, self.voxel_size, self.truncation, self.blocks, self.count,

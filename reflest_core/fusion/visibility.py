@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.depth_edges import depth_tolerance
 from reflest_core.fusion.foreground import FramePixels
-from reflest_core.fusion.jit import compiled
+from reflest_core.fusion.jit import compiled, kernel_array
 from reflest_core.fusion.settings import FusionSettings
 
 
@@ -32,9 +32,9 @@ def visible_voxels(
     A colour is that of the nearest pixel, 8-bit sRGB.
     """
     return _visible(
-        positions, normals, np.ascontiguousarray(frame.rgb), pixels.depth, pixels.surface,
-        np.ascontiguousarray(np.linalg.inv(frame.T_world_camera), np.float64),
-        np.ascontiguousarray(frame.camera_centre, np.float64), frame.intrinsics.matrix,
+        positions, normals, kernel_array(frame.rgb, np.uint8), pixels.depth, pixels.surface,
+        kernel_array(np.linalg.inv(frame.T_world_camera), np.float64),
+        kernel_array(frame.camera_centre, np.float64), frame.intrinsics.matrix,
         settings.voxel_size, math.cos(math.radians(settings.max_grazing_angle)),
     )  # fmt: skip
 

@@ -1,0 +1,71 @@
+"""After warming up no frame waits for a compiler, whatever its arrays look like."""
+
+import dataclasses
+import importlib
+import pkgutil
+
+import numpy as np
+from numba.core.registry import CPUDispatcher
+
+import reflest_core.fusion
+from reflest_core.fusion.scan import Scan
+from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.fusion.views import ViewTable
+from reflest_core.fusion.warm_up import warm_up
+from test.core.fusion.analytic_scene import OBJECT, look_at, orbit_frames, render
+from test.core.fusion.scan_state import assert_same_arrays, state_of
+
+
+def compiled_versions():
+    """How many compiled versions there are of each kernel, over all modules of fusion."""
+    versions = {}
+    for module in pkgutil.iter_modules(reflest_core.fusion.__path__):
+        content = vars(importlib.import_module(f"reflest_core.fusion.{module.name}"))
+        for name, value in content.items():
+            if isinstance(value, CPUDispatcher) and value.__module__.endswith(module.name):
+                versions[f"{module.name}.{name}"] = len(value.signatures)
+    return versions
+
+
+def awkward(frame):
+    """The same frame as it comes off the wire: read-only, strided, single precision."""
+    rgb = np.frombuffer(frame.rgb[..., ::-1].tobytes(), np.uint8).reshape(frame.rgb.shape)
+    depth = np.asfortranarray(frame.depth)
+    mask = frame.depth > 0.0
+    for array in (depth, mask):
+        array.flags.writeable = False
+    return dataclasses.replace(
+        frame,
+        rgb=rgb[..., ::-1],
+        depth=depth,
+        T_world_camera=np.asfortranarray(frame.T_world_camera),
+        mask=mask,
+    )
+
+
+def test_no_kernel_is_compiled_afterwards():
+    warm_up()
+    before = compiled_versions()
+    assert len(before) > 20
+    scan = Scan(
+        FusionSettings(max_depth=1.0, memory_budget_mb=16.0, observations_per_voxel=255),
+        RegionSettings(),
+    )
+    scan.views = ViewTable(4)
+    for frame in orbit_frames(6):
+        scan.fuse(awkward(frame))
+    for n in range(1, 9):
+        place = (0.4 * n, 0.0, 0.0)
+        sphere = dataclasses.replace(OBJECT, centre=place)
+        scan.fuse(render([sphere], look_at((place[0], -0.4, 0.1), place), n + 10))
+    scan.snapshot()
+    grown = {k: v for k, v in compiled_versions().items() if v > before[k]}
+    assert not grown
+
+
+def test_layout_of_the_arrays_does_not_matter():
+    plain, wire = (Scan(FusionSettings(max_depth=1.0), RegionSettings()) for _ in range(2))
+    for frame in orbit_frames(3):
+        plain.fuse(dataclasses.replace(frame, mask=frame.depth > 0.0))
+        wire.fuse(awkward(frame))
+    assert_same_arrays(state_of(plain), state_of(wire))
