@@ -11,6 +11,7 @@ from reflest_core.capture.settings import CaptureSettings
 from reflest_core.capture.topics import TopicChoice
 from reflest_core.estimation.settings import ReflestSettings, with_values
 from reflest_core.fusion.settings import RegionSettings
+from reflest_core.parameter import ParameterError
 
 
 def topic_choice(options: argparse.Namespace) -> TopicChoice:
@@ -48,8 +49,11 @@ def _given(values: dict[str, object]) -> dict[str, object]:
 
 
 def _with_mask(capture: CaptureSettings, mask_topic: str | None) -> CaptureSettings:
-    """Masks are used exactly where their topic is named."""
-    return replace(capture, use_mask=mask_topic is not None)
+    if mask_topic is not None:
+        return replace(capture, use_mask=True)
+    if capture.use_mask:
+        raise ParameterError("capture.use_mask is set: name the mask topic with --mask-topic")
+    return capture
 
 
 def _region(options: argparse.Namespace) -> RegionSettings | None:

@@ -1,0 +1,68 @@
+"""The installed command as a user runs it: exit codes, one-line errors, no traceback."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+CHECKOUT = Path(__file__).parents[3]
+
+
+def reflest(*arguments, code=None):
+    command = ["-c", code] if code else ["-m", "reflest_core.cli.main", *map(str, arguments)]
+    return subprocess.run(
+        [sys.executable, *command], capture_output=True, text=True, cwd=CHECKOUT, timeout=100
+    )
+
+
+def test_two_runs_write_the_same_bytes(weights, bag, tmp_path):
+    outputs = []
+    for name in ("a.json", "b.json"):
+        done = reflest("replay", bag, "--weights", weights, "--json", tmp_path / name)
+        assert done.returncode == 0, done.stderr
+        assert "final" in done.stdout
+        outputs.append((tmp_path / name).read_bytes())
+    assert outputs[0] == outputs[1]
+    assert json.loads(outputs[0])["model"] == "hemicnn"
+
+
+def test_what_does_not_exist_ends_with_one_line():
+    done = reflest("replay", "nowhere.mcap")
+    assert done.returncode == 2
+    assert done.stderr == "reflest: error: nowhere.mcap does not exist\n"
+
+
+def test_help_starts_without_the_heavy_libraries():
+    done = reflest(
+        code="import sys; from reflest_core.cli.main import main\n"
+        "try: main(['--help'])\n"
+        "except SystemExit: pass\n"
+        "print('HEAVY', {'torch', 'open3d', 'cv2', 'mitsuba', 'numba'} & set(sys.modules))"
+    )
+    assert "HEAVY set()" in done.stdout
+    for command in ("replay", "synbrdf", "train", "evaluate"):
+        assert command in done.stdout
+
+
+@pytest.mark.parametrize(
+    "arguments", [[], ["replay"], ["nonsense"], ["replay", "x", "--roi-box", "1"]]
+)
+def test_a_wrong_command_line_shows_the_usage(arguments):
+    done = reflest(*arguments)
+    assert done.returncode == 2
+    assert "usage: reflest" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_reader_that_leaves_is_no_error(weights, bag):
+    command = [sys.executable, "-m", "reflest_core.cli.main", "replay", bag, "--weights", weights]
+    process = subprocess.Popen(
+        list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=CHECKOUT
+    )
+    process.stdout.close()
+    errors = process.stderr.read().decode()
+    assert process.wait(timeout=100) == 1
+    assert "Traceback" not in errors
+    process.stderr.close()
