@@ -8,15 +8,13 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import signal
 import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import rclpy
 from rclpy.duration import Duration
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -26,6 +24,7 @@ from reflest_core.capture.bag import READERS_BY_SUFFIX
 from reflest_core.capture.bag_file import BagFile, BagTopic, RawMessage
 from reflest_core.capture.errors import CaptureError
 from reflest_core.errors import ReflestError
+from reflest_ros.process import ignore_signals, ros_process
 
 WRITER_DEPTH = 400
 """Messages that a writer keeps for readers which have not acknowledged them."""
@@ -86,9 +85,12 @@ class BagPlayer(Node):
 
     def wait_for_acknowledgement(self, timeout: float) -> None:
         """Return once reliable subscribers have everything; :class:`CaptureError` otherwise."""
-        for topic, publisher in self._outputs.items():
-            if not publisher.wait_for_all_acked(Duration(seconds=timeout)):
-                raise CaptureError(f"a subscriber of {topic} did not take it all in {timeout:g} s")
+        deadline = time.monotonic() + timeout
+        for topic, output in self._outputs.items():
+            # In slices, between which a signal is heard.
+            while not output.wait_for_all_acked(Duration(seconds=0.1)):
+                if time.monotonic() > deadline:
+                    raise CaptureError(f"a subscriber of {topic} took not all in {timeout:g} s")
 
     @property
     def damage(self) -> str | None:
@@ -129,27 +131,27 @@ def main(args: list[str] | None = None) -> int:
     """Play and exit; 2 for a user's mistake."""
     arguments = sys.argv if args is None else [sys.argv[0], *args]
     options = parse_arguments(remove_ros_args(arguments)[1:])
-    rclpy.init(args=arguments)
-    player = None
     try:
-        player = BagPlayer(open_bag_files(options.bag), options.topics)
+        with ros_process(arguments):
+            _play(options)
+    except (ReflestError, OSError) as error:
+        print(f"reflest: error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def _play(options: argparse.Namespace) -> None:
+    player = BagPlayer(open_bag_files(options.bag), options.topics)
+    try:
         player.wait_for_subscribers(options.wait)
         count = player.play(options.rate)
         player.wait_for_acknowledgement(options.wait)
         print(f"played {count} messages of {options.bag}")
         if player.damage:
             print(f"reflest: warning: {player.damage}", file=sys.stderr)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    except (ReflestError, OSError) as error:
-        print(f"reflest: error: {error}", file=sys.stderr)
-        return 2
     finally:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-        if player is not None:
-            player.destroy_node()
-        rclpy.try_shutdown()
-    return 0
+        ignore_signals()
+        player.destroy_node()
 
 
 if __name__ == "__main__":

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 
-import rclpy
-from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.executors import MultiThreadedExecutor
 
 from reflest_core.errors import ReflestError
+from reflest_ros.process import ignore_signals, ros_process
+from reflest_ros.worker_thread import worker_thread
 
 EXECUTOR_THREADS = 3
 """One for the subscriptions, two for services that wait for fusion."""
@@ -16,27 +16,33 @@ EXECUTOR_THREADS = 3
 
 def main(args: list[str] | None = None) -> int:
     """Run the node; 0 after a signal, 2 for a user's mistake, 1 for ours."""
-    rclpy.init(args=args)
-    node = None
     try:
-        # Imported late, so that a signal during the seconds that it takes ends the process cleanly.
-        from reflest_ros.node import EstimatorNode
-
-        node = EstimatorNode()
-        executor = MultiThreadedExecutor(EXECUTOR_THREADS)
-        executor.add_node(node)
-        executor.spin()
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
+        with ros_process(args):
+            return _run_node()
     except ReflestError as error:
         print(f"reflest: error: {error}", file=sys.stderr)
         return 2
+    return 0
+
+
+def _run_node() -> int:
+    """Return only after a crash; a signal leaves by KeyboardInterrupt."""
+    # Imported late, so that a signal during the seconds that it takes ends the process cleanly.
+    from reflest_ros.node import EstimatorNode
+
+    node = EstimatorNode()
+    executor = MultiThreadedExecutor(EXECUTOR_THREADS)
+    executor.add_node(node)
+    spinning = worker_thread("executor", executor.spin, node.crash)
+    try:
+        spinning.start()
+        node.has_crashed.wait()
     finally:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-        if node is not None:
-            node.destroy_node()
-        rclpy.try_shutdown()
-    return 1 if node is not None and node.has_crashed else 0
+        ignore_signals()
+        node.destroy_node()
+        executor.shutdown()
+        spinning.join()
+    return 1
 
 
 if __name__ == "__main__":

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import threading
 import time
 import traceback
 
-import rclpy
 from rclpy.node import Node
 
 from reflest_core.capture.assembler import FrameAssembler
@@ -16,6 +16,7 @@ from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import ReflestSettings
+from reflest_core.estimation.warm_up import warm_up
 from reflest_core.fusion.keyframe import KeyframePolicy
 from reflest_ros.diagnostics import Diagnostics, EstimateCounts
 from reflest_ros.estimate_message import estimate_to_message
@@ -39,19 +40,21 @@ class EstimatorNode(Node):
 
     def __init__(self) -> None:
         super().__init__(NODE_NAME)
-        self.has_crashed = False
+        self.has_crashed = threading.Event()
         self._estimates = EstimateCounts()
         node_settings, self._settings = declare_parameters(self)
         topics = input_topics(self, node_settings, self._settings.capture.use_mask)
         self._publisher = self.create_publisher(BrdfEstimateMessage, "reflectance/brdf", OUTPUT_QOS)
 
+        self.get_logger().info("starting (the first start after installation compiles for 30 s)")
+        warm_up(self._settings)
         assembler = FrameAssembler(self._settings.capture, topics, self._on_refusal)
         self._scanner = Scanner(self._settings)
         self._estimation = EstimationWorker(
-            self._scanner.estimate, self._publish, self._on_failure, self._on_crash
+            self._scanner.estimate, self._publish, self._on_failure, self.crash
         )
         self._fusion = FusionWorker(
-            assembler, self._scanner, self._estimation.offer, self._on_crash,
+            assembler, self._scanner, self._estimation.offer, self.crash,
             node_settings.input.queue_size, node_settings.input.settle,
         )  # fmt: skip
         ScanServices(self, self._fusion, self._estimation, self._scanner)
@@ -72,6 +75,12 @@ class EstimatorNode(Node):
             f"({self._scanner.estimator.predictor.model_id})"
         )
 
+    def crash(self, error: BaseException) -> None:
+        """Report what should not happen in one of the threads; the process then ends."""
+        trace = "".join(traceback.format_exception(error))
+        self.get_logger().fatal(f"stopping, for this should not happen: {trace}")
+        self.has_crashed.set()
+
     def destroy_node(self) -> None:
         """End the threads, then the node."""
         self._fusion.stop()
@@ -84,6 +93,8 @@ class EstimatorNode(Node):
 
     def _publish(self, estimate: BrdfEstimate, arrival: float) -> BrdfEstimate:
         estimate = dataclasses.replace(estimate, latency=time.monotonic() - arrival)
+        if self._estimates.published == 0:
+            self.get_logger().info(f"first estimate after {estimate.view_count} views")
         self._publisher.publish(estimate_to_message(estimate))
         self._estimates.published_one(estimate)
         return estimate
@@ -93,12 +104,6 @@ class EstimatorNode(Node):
             self.get_logger().warning(f"no estimate at a keyframe: {error} (said once)")
         self._estimates.failed += 1
         self._estimates.last_failure = str(error)
-
-    def _on_crash(self, error: BaseException) -> None:
-        self.has_crashed = True
-        trace = "".join(traceback.format_exception(error))
-        self.get_logger().fatal(f"stopping, for this should not happen: {trace}")
-        rclpy.try_shutdown()
 
     def _apply(self, settings: ReflestSettings) -> None:
         """Take changed live parameters; the structural ones are read-only."""

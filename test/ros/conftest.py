@@ -1,0 +1,80 @@
+"""A domain for each test module, the node as a process, and what peers need."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import domain_coordinator
+import pytest
+from own_process import ROOT, OwnProcess
+from ros_peer import RosPeer
+from sphere_messages import write_sphere_bag
+
+COMPILE_TIME = 200.0
+"""Seconds in which the first start after installation is over, on a slow machine."""
+
+SETTINGS = """\
+/**:
+  ros__parameters:
+    input: {reliability: reliable, queue_size: 1000, settle: 0.1, diagnostics_period: 0.05}
+    fusion: {voxel_size: 0.01}
+    region: {shape: sphere, centre: [0.0, 0.0, 0.12], size: [0.35, 0.35, 0.35]}
+    keyframe: {translation: 0.2}
+"""
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _one_machine() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        profile = ROOT / "config" / "fastdds_large_messages.xml"
+        patch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", str(profile))
+        yield
+
+
+@pytest.fixture(scope="session")
+def settings_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("settings") / "estimator.yaml"
+    path.write_text(SETTINGS)
+    return path
+
+
+@pytest.fixture(scope="session")
+def sphere_bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_sphere_bag(tmp_path_factory.mktemp("bags") / "sphere")
+
+
+@pytest.fixture(scope="module")
+def domain_id() -> Iterator[int]:
+    with domain_coordinator.domain_id() as number:
+        yield int(number)
+
+
+@pytest.fixture(scope="module")
+def start(domain_id: int) -> Iterator[Callable[..., OwnProcess]]:
+    """Start a module of the package; what still runs at the end is killed."""
+    processes: list[OwnProcess] = []
+
+    def started(module: str, *arguments: str) -> OwnProcess:
+        processes.append(OwnProcess(module, list(map(str, arguments)), domain_id))
+        return processes[-1]
+
+    yield started
+    for process in processes:
+        process.end()
+
+
+@pytest.fixture(scope="module")
+def node(start: Callable[..., OwnProcess], settings_file: Path) -> OwnProcess:
+    """A node with the tests' settings that is ready."""
+    process = start("reflest_ros.estimator", "--ros-args", "--params-file", settings_file)
+    process.wait_for_line("listening to", COMPILE_TIME)
+    return process
+
+
+@pytest.fixture(scope="module")
+def peer(domain_id: int) -> Iterator[RosPeer]:
+    peer = RosPeer(domain_id)
+    yield peer
+    peer.close()

@@ -1,0 +1,103 @@
+"""The other side of the node's topics and services, in the test's process."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from rcl_interfaces.msg import Parameter, ParameterValue, SetParametersResult
+from rcl_interfaces.srv import DescribeParameters, GetParameters, SetParameters
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.publisher import Publisher
+
+from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_ros.estimate_message import estimate_from_message
+from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
+from reflest_ros.qos import OUTPUT_QOS
+
+NODE = "/reflest_estimator"
+WAIT = 30.0
+
+
+class RosPeer:
+    """Listens to estimates and diagnostics; publishes and calls what a test asks for."""
+
+    def __init__(self, domain_id: int) -> None:
+        self.estimates: list[BrdfEstimate] = []
+        self.diagnostics: dict[str, str] = {}
+        self._changed = threading.Condition()
+        self._context = Context()
+        rclpy.init(context=self._context, domain_id=domain_id)
+        self._node = rclpy.create_node("peer", context=self._context)
+        self._node.create_subscription(
+            BrdfEstimateMessage, "/reflectance/brdf", self._on_estimate, OUTPUT_QOS
+        )
+        self._node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
+        self._outputs: dict[str, Publisher] = {}
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._thread = threading.Thread(target=self._executor.spin, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        self._executor.shutdown()
+        self._thread.join()
+        self._node.destroy_node()
+        self._context.try_shutdown()
+
+    def wait_until(self, is_true: Callable[[], bool], what: str, timeout: float = WAIT) -> None:
+        """Wait for messages until ``is_true``."""
+        with self._changed:
+            assert self._changed.wait_for(is_true, timeout), f"{what}; got {self.diagnostics}"
+
+    def wait_for_count(self, key: str, at_least: int) -> None:
+        """Wait until a diagnostic has come to a number."""
+        self.wait_until(lambda: self.count(key) >= at_least, f"{key} < {at_least}")
+
+    def count(self, key: str) -> int:
+        return int(self.diagnostics.get(key, "0"))
+
+    def publish(self, topic: str, message: Any) -> None:
+        """Publish reliably, once the node has discovered the topic."""
+        if topic not in self._outputs:
+            self._outputs[topic] = self._node.create_publisher(type(message), topic, 100)
+        output = self._outputs[topic]
+        self.wait_until(lambda: output.get_subscription_count() > 0, f"no subscriber of {topic}")
+        output.publish(message)
+
+    def call(self, kind: type, name: str, **request: Any) -> Any:
+        """Call a service of the node and return its response."""
+        client = self._node.create_client(kind, f"{NODE}/{name}")
+        try:
+            assert client.wait_for_service(WAIT), f"no service {name}"
+            done = threading.Event()
+            future = client.call_async(kind.Request(**request))
+            future.add_done_callback(lambda _: done.set())
+            assert done.wait(WAIT), f"{name} did not answer"
+            return future.result()
+        finally:
+            self._node.destroy_client(client)
+
+    def parameter(self, name: str) -> ParameterValue:
+        return self.call(GetParameters, "get_parameters", names=[name]).values[0]
+
+    def describe(self, names: list[str]) -> list[Any]:
+        return list(self.call(DescribeParameters, "describe_parameters", names=names).descriptors)
+
+    def set_parameter(self, name: str, value: ParameterValue) -> SetParametersResult:
+        parameter = Parameter(name=name, value=value)
+        return self.call(SetParameters, "set_parameters", parameters=[parameter]).results[0]
+
+    def _on_estimate(self, message: BrdfEstimateMessage) -> None:
+        with self._changed:
+            self.estimates.append(estimate_from_message(message))
+            self._changed.notify_all()
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        with self._changed:
+            self.diagnostics = {pair.key: pair.value for pair in message.status[0].values}
+            self._changed.notify_all()

@@ -1,0 +1,96 @@
+"""Parameters: described and ranged, refused with the reason, and the YAML that lists them."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+from own_process import ROOT
+from rcl_interfaces.msg import ParameterType, ParameterValue
+
+from reflest_core.estimation.settings import ReflestSettings
+from reflest_ros.parameter_file import parameter_file
+from reflest_ros.parameters import all_parameters
+
+BASE_FILE = ROOT / "config" / "estimator.yaml"
+
+
+def double(value: float) -> ParameterValue:
+    return ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value)
+
+
+def string(value: str) -> ParameterValue:
+    return ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=value)
+
+
+def test_base_file_is_what_the_settings_say():
+    assert BASE_FILE.read_text() == parameter_file(), (
+        "run: python -m reflest_ros.parameter_file > config/estimator.yaml"
+    )
+
+
+def test_core_reads_the_base_file_as_its_defaults():
+    assert ReflestSettings.from_yaml(BASE_FILE) == ReflestSettings()
+
+
+def test_every_parameter_is_described(node, peer):
+    named = list(all_parameters())
+    described = peer.describe([parameter.name for parameter in named])
+    for parameter, descriptor in zip(named, described, strict=True):
+        assert parameter.info.description in descriptor.description
+        assert parameter.info.unit in descriptor.description
+        is_ranged = parameter.info.minimum is not None and parameter.info.maximum is not None
+        if is_ranged and isinstance(parameter.default, float):
+            (limits,) = descriptor.floating_point_range
+            assert limits.from_value == parameter.info.minimum
+            assert limits.to_value == parameter.info.maximum
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("keyframe.rotation", double(720.0), "180"),
+        ("keyframe.interval", double(float("nan")), "keyframe.interval"),
+        ("estimation.model", string("crystal-ball"), "grouplet-fast"),
+        ("estimation.weights", string("/no/such/weights"), "/no/such/weights"),
+        ("estimation.min_voxels", double(3.0), "type"),
+        ("fusion.voxel_size", double(0.02), "read-only"),
+    ],
+)
+def test_a_bad_value_is_refused_with_the_reason_and_the_old_one_kept(
+    node, peer, name, value, reason
+):
+    before = peer.parameter(name)
+    result = peer.set_parameter(name, value)
+    assert not result.successful
+    assert reason in result.reason
+    assert peer.parameter(name) == before
+
+
+def test_a_good_value_is_taken(node, peer):
+    assert peer.set_parameter("keyframe.rotation", double(30.0)).successful
+    assert peer.parameter("keyframe.rotation").double_value == 30.0
+
+
+def test_a_bad_start_ends_with_one_sentence(start):
+    sentences = {
+        "fusion.voxel_size:=5.0": "fusion.voxel_size",
+        "fusion.voxel_size:=fine": "fusion.voxel_size",
+        "estimation.weights:=/no/such/weights": "/no/such/weights",
+        "region.size:=[1.0, 1.0]": "region.size needs 3 numbers",
+    }
+    processes = {
+        override: start("reflest_ros.estimator", "--ros-args", "-p", override)
+        for override in sentences
+    }
+    for override, process in processes.items():
+        assert process.exit_code() == 2, process.output
+        assert sentences[override] in process.output
+        assert len(process.lines_with("error:")) == 1
+        assert "Traceback" not in process.output
+
+
+def test_every_group_is_in_the_file():
+    text = BASE_FILE.read_text()
+    for group in dataclasses.fields(ReflestSettings()):
+        assert f"    {group.name}:" in text
