@@ -12,9 +12,10 @@ from reflest_core.capture.frame import Frame
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import ReflestSettings
+from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.keyframe import KeyframePolicy
 from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.fusion.scan import FusedFrame, Scan
+from reflest_core.fusion.scan import Scan
 
 
 @dataclass(frozen=True)
