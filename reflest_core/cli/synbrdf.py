@@ -28,7 +28,7 @@ def _add_generate(products: Any) -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--train", type=int, default=4600, help="scenes")
     parser.add_argument("--validation", type=int, default=400, help="scenes")
-    parser.add_argument("--unseen", type=int, default=400, help="scenes of held-out light and shape")
+    parser.add_argument("--unseen", type=int, default=400, help="scenes of unseen light and shape")
     parser.add_argument("--points", type=int, default=400, help="surface points of a scene")
     parser.add_argument("--views", type=int, default=100, help="views of a scene")
     parser.add_argument("--samples", type=int, default=64, help="paths of an observation")

@@ -55,7 +55,9 @@ def find_environments(path: Path) -> list[EnvironmentSource]:
         elif file.suffix.lower() == ".npz":
             sources += [EnvironmentSource(name, file, name) for name in _collection_names(file)]
     if not sources:
-        raise EnvironmentUnreadable(f"{path} holds no environment: it needs .hdr, .exr or .npz files")
+        raise EnvironmentUnreadable(
+            f"{path} holds no environment: it needs .hdr, .exr or .npz files"
+        )
     return sorted(sources, key=lambda source: source.name)
 
 
@@ -101,7 +103,7 @@ def resample(radiance: NDArray[np.float32], height: int) -> NDArray[np.float32]:
 
 def rotated(radiance: NDArray[np.float32], angle: float) -> NDArray[np.float32]:
     """Turn the environment by ``angle`` radians about the world's z axis (anticlockwise)."""
-    height, width = radiance.shape[:2]
+    width = radiance.shape[1]
     columns = (np.arange(width) + angle / (2.0 * np.pi) * width) % width
     left = np.floor(columns).astype(np.int64)
     share = (columns - left).astype(np.float32)[None, :, None]
@@ -115,9 +117,7 @@ def directions(height: int) -> NDArray[np.float64]:
     azimuth = (0.5 - (np.arange(2 * height) + 0.5) / (2 * height)) * 2.0 * np.pi
     sine = np.sin(polar)[:, None]
     return np.stack(
-        np.broadcast_arrays(
-            sine * np.cos(azimuth), sine * np.sin(azimuth), np.cos(polar)[:, None]
-        ),
+        np.broadcast_arrays(sine * np.cos(azimuth), sine * np.sin(azimuth), np.cos(polar)[:, None]),
         axis=-1,
     )
 

@@ -77,9 +77,7 @@ class FullImageRenderer:
         offsets = (np.arange(SUBPIXELS) + 0.5) / SUBPIXELS - 0.5
         rays = [
             camera_rays(
-                dataclasses.replace(
-                    self.camera, cx=self.camera.cx - dx, cy=self.camera.cy - dy
-                ),
+                dataclasses.replace(self.camera, cx=self.camera.cx - dx, cy=self.camera.cy - dy),
                 pose[None],
             )
             for dy in offsets
@@ -88,7 +86,7 @@ class FullImageRenderer:
         origins = np.concatenate([origin[chosen] for origin, _ in rays])
         directions = np.concatenate([direction[chosen] for _, direction in rays])
         radiance = self.tracer.trace(rendered, origins, directions, seed)
-        return radiance.reshape(SUBPIXELS**2, -1, 3).mean(axis=0)
+        return np.asarray(radiance.reshape(SUBPIXELS**2, -1, 3).mean(axis=0))
 
 
 def _denoised(radiance: NDArray[np.float32]) -> NDArray[np.float32]:

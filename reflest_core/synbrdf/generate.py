@@ -146,11 +146,13 @@ def _begin_manifest(folder: Path, manifest: dict[str, Any]) -> None:
     try:
         found = json.loads(path.read_text())
     except ValueError as error:
-        raise SceneFileError(f"{path} is damaged ({error}); delete it and generate again") from error
+        raise SceneFileError(
+            f"{path} is damaged ({error}); delete it and generate again"
+        ) from error
     differing = sorted(key for key in manifest if found.get(key) != manifest[key])
     if differing:
         raise SceneFileError(
-            f"{folder} was begun with another {', '.join(differing)}; use the same, or another --out"
+            f"{folder} was begun with another {', '.join(differing)}; use the same or another --out"
         )
 
 

@@ -38,7 +38,9 @@ def _llvm_library() -> str:
         raise _missing("karellen-llvm-core") from error
     # A distribution lists the library and links to it; any name that exists will do.
     candidates = sorted(
-        str(file.locate()) for file in files if file.name.startswith("libLLVM") and ".so" in file.name
+        str(file.locate())
+        for file in files
+        if file.name.startswith("libLLVM") and ".so" in file.name
     )
     for candidate in candidates:
         if os.path.exists(candidate):
@@ -48,5 +50,6 @@ def _llvm_library() -> str:
 
 def _missing(package: str) -> RendererMissing:
     return RendererMissing(
-        f"rendering needs the Python package {package}; install it with pip install 'reflest[synbrdf]'"
+        f"rendering needs the Python package {package}: install it with "
+        "pip install 'reflest[synbrdf]'"
     )

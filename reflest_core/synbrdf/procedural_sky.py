@@ -27,7 +27,7 @@ def procedural_sky(seed: int, height: int = 128) -> NDArray[np.float32]:
     clouds = _clouds(rng, height)
     image = image * (1.0 - 0.6 * clouds) + clouds * rng.uniform(0.5, 1.2)
     sunlight = np.array([1.0, 0.92 - 0.35 * warmth, 0.82 - 0.6 * warmth])
-    veil = (1.0 - 0.85 * clouds[..., :1])
+    veil = 1.0 - 0.85 * clouds[..., :1]
     glow = 1.5 * np.exp((towards_sun - 1.0) / 0.02) + 0.4 * np.exp((towards_sun - 1.0) / 0.2)
     image += glow[..., None] * sunlight
     # The sun is drawn 4 degrees across at a brightness that keeps its true share of the light.

@@ -73,7 +73,9 @@ def load_shard(path: Path) -> list[SynbrdfScene]:
             cards = json.loads(metadata["scenes"])
             return [_scene(file, number, card) for number, card in enumerate(cards)]
     except (SafetensorError, OSError) as error:
-        raise SceneFileError(f"{path} is damaged ({error}); delete it and generate again") from error
+        raise SceneFileError(
+            f"{path} is damaged ({error}); delete it and generate again"
+        ) from error
 
 
 def load_scenes(folder: Path, split: str) -> Iterator[SynbrdfScene]:

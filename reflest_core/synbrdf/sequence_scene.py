@@ -98,9 +98,7 @@ def draw_sequence_scene(request: SequenceRequest) -> SequenceScene:
     )
 
 
-def _draw_shape(
-    rng: np.random.Generator, request: SequenceRequest
-) -> tuple[TriangleMesh, str]:
+def _draw_shape(rng: np.random.Generator, request: SequenceRequest) -> tuple[TriangleMesh, str]:
     if request.meshes is None:
         mesh, name = draw_procedural(rng, request.shape)
     else:

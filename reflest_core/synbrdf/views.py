@@ -100,9 +100,7 @@ def _sphere(rng: np.random.Generator, count: int) -> NDArray[np.float64]:
     )
 
 
-def _spherical(
-    azimuth: NDArray[np.float64], elevation: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _spherical(azimuth: NDArray[np.float64], elevation: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack(
         [
             np.cos(elevation) * np.cos(azimuth),

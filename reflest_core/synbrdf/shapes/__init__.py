@@ -1,0 +1,1 @@
+"""Shapes of SynBRDF's objects: procedural ones, and meshes from files."""

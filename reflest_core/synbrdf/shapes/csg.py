@@ -30,7 +30,8 @@ def _union(parts: list[Field], blend: float, cut: Field | None) -> Field:
         # The soft minimum rounds the seam over about ``blend``.
         distances = np.stack([part(points) for part in parts])
         nearest = distances.min(axis=0)
-        solid = nearest - blend * np.log(np.exp((nearest - distances) / blend).sum(axis=0))
+        closeness: FloatArray = np.exp((nearest - distances) / blend).sum(axis=0)
+        solid: FloatArray = nearest - blend * np.log(closeness)
         return solid if cut is None else np.maximum(solid, -cut(points))
 
     return field
@@ -65,7 +66,10 @@ def _cylinder(rng: np.random.Generator) -> Field:
 
     def distance(points: FloatArray) -> FloatArray:
         beyond = np.stack(
-            [np.linalg.norm(points[..., :2], axis=-1) - radius, np.abs(points[..., 2]) - half_height]
+            [
+                np.linalg.norm(points[..., :2], axis=-1) - radius,
+                np.abs(points[..., 2]) - half_height,
+            ]
         )
         outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=0)
         return np.asarray(outside + np.minimum(beyond.max(axis=0), 0.0) - 0.02)

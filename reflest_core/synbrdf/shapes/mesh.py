@@ -86,9 +86,8 @@ def grid_faces(rows: int, columns: int, wrap_rows: bool, wrap_columns: bool) -> 
         np.broadcast_to(r * columns + c, (row.size, column.size)).reshape(-1)
         for r, c in ((row, column), (next_row, column), (next_row, next_column), (row, next_column))
     ]
-    return np.concatenate(
-        [np.stack([corner[0], corner[1], corner[2]], 1), np.stack([corner[0], corner[2], corner[3]], 1)]
-    )
+    halves = ((0, 1, 2), (0, 2, 3))
+    return np.concatenate([np.stack([corner[k] for k in half], axis=1) for half in halves])
 
 
 def _face_vectors(vertices: FloatArray, faces: IntArray) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -92,7 +93,7 @@ def _read_obj(path: Path) -> tuple[FloatArray, IntArray]:
         elif words[:1] == ["f"]:
             corners = [int(word.split("/")[0]) for word in words[1:]]
             corners = [corner - 1 if corner > 0 else len(vertices) + corner for corner in corners]
-            faces += [[corners[0], b, c] for b, c in zip(corners[1:], corners[2:], strict=False)]
+            faces += [[corners[0], b, c] for b, c in pairwise(corners[1:])]
     return _arrays(vertices, faces)
 
 
