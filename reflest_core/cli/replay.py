@@ -37,6 +37,10 @@ def add_parser(subparsers: Any) -> None:
     scene.add_argument("--voxel-size", type=float, metavar="M")
     scene.add_argument("--max-depth", type=float, metavar="M", help="what is further is background")
     scene.add_argument(
+        "--up", type=float, nargs=3, metavar=("X", "Y", "Z"),
+        help="up in the poses' world, default 0 0 1; 7-Scenes: 0 -1 0",
+    )  # fmt: skip
+    scene.add_argument(
         "--intrinsics", type=float, nargs=4, metavar=("FX", "FY", "CX", "CY"),
         help="calibration of a folder of frames, pixels",
     )  # fmt: skip

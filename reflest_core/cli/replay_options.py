@@ -34,7 +34,7 @@ def replay_settings(options: argparse.Namespace) -> ReflestSettings:
     config: Path | None = options.config
     settings = ReflestSettings.from_yaml(config) if config else ReflestSettings()
     fusion = {"voxel_size": options.voxel_size, "max_depth": options.max_depth}
-    estimation = {"model": options.model, "weights": options.weights}
+    estimation = {"model": options.model, "weights": options.weights, "up": options.up}
     return replace(
         settings,
         capture=_with_mask(settings.capture, options.mask_topic),

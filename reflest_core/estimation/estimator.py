@@ -12,6 +12,7 @@ from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.features.coverage import hemisphere_coverage
+from reflest_core.features.upright import upright
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.models.predictor import Predictor
 
@@ -41,6 +42,7 @@ class Estimator:
                 f"{self.settings.min_voxels}: scan more of the object, or check the region of "
                 "interest and fusion.max_depth"
             )
+        surface = upright(surface, self.settings.up)
         prediction = self.predictor.predict(surface)
         ward = physical_ward(prediction.ward)
         red, green, blue, rho_s, alpha = ward.tolist()

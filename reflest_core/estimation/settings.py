@@ -24,6 +24,10 @@ class EstimationSettings:
     min_voxels: int = parameter(
         10, "With fewer observed voxels there is no estimate.", minimum=1, maximum=1000
     )
+    up: tuple[float, float, float] = parameter(
+        (0.0, 0.0, 1.0),
+        "Up in the world frame of the poses. Maps that begin at a camera (7-Scenes): 0, -1, 0.",
+    )
     low_coverage: float = parameter(
         0.15,
         "Below this share of each voxel's view directions an estimate is marked LOW_COVERAGE.",
@@ -32,6 +36,8 @@ class EstimationSettings:
 
     def __post_init__(self) -> None:
         check_parameters(self)
+        if not any(self.up):
+            raise ParameterError("up = (0, 0, 0) is no direction")
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ class Evaluation:
 
 
 def evaluate(
-    predictor: Predictor, samples: list[Sample], split: str, progress: Callable[[], None]
+    predictor: Predictor, samples: list[Sample], split: str, progress: Callable[[], object]
 ) -> Evaluation:
     """Estimate every scene as the live path would; ``progress`` is called after each."""
     estimates = []
