@@ -6,6 +6,8 @@ import dataclasses
 
 import numpy as np
 
+from reflest_core.fusion.block_erasure import surface_keys
+
 
 def state_of(scan):
     arrays = {
@@ -25,3 +27,9 @@ def assert_same_arrays(one, other):
 
 def assert_same_surface(one, other):
     assert_same_arrays(dataclasses.asdict(one), dataclasses.asdict(other))
+
+
+def assert_no_ghosts(scan):
+    """Every stored voxel is a surface voxel of the volume as it is now."""
+    surface = surface_keys(np.arange(scan.volume.count), scan.volume.blocks)
+    assert np.isin(scan.store.rows.keys[: scan.store.count], surface).all()

@@ -7,6 +7,7 @@ from hypothesis import settings as hypothesis_settings
 from reflest_core.fusion.scan import MemoryBudgetError, Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from test.core.fusion.analytic_scene import OBJECT, look_at, render
+from test.core.fusion.scan_state import assert_no_ghosts
 
 
 @hypothesis_settings(max_examples=20, deadline=None)
@@ -33,6 +34,7 @@ def test_long_scan_in_a_small_budget_forgets_the_oldest_surface():
         assert scan.nbytes == reserved
         assert scan.volume.count <= scan.volume.capacity
         assert scan.store.count <= scan.store.capacity
+        assert_no_ghosts(scan)
     x = scan.snapshot().positions[:, 0]
     assert x.max() > 3.9
     assert x.min() > 1.0

@@ -18,7 +18,12 @@ from test.core.fusion.analytic_scene import (
     orbit_frames,
     render,
 )
-from test.core.fusion.scan_state import assert_same_arrays, assert_same_surface, state_of
+from test.core.fusion.scan_state import (
+    assert_no_ghosts,
+    assert_same_arrays,
+    assert_same_surface,
+    state_of,
+)
 
 VOXEL = 0.005
 SETTINGS = FusionSettings(voxel_size=VOXEL, max_depth=1.0)
@@ -169,6 +174,20 @@ def test_oldest_view_gives_way_with_its_observations():
     np.testing.assert_array_equal(surface.colours, expected[surface.view_indices])
 
 
+def test_observations_follow_a_surface_that_moves_to_other_voxels():
+    T = look_at((0.5, 0.0, 0.0))
+    scan, first = scan_of([render([OBJECT], T, 0)])
+    # Half-way between the two, 3 mm nearer, the surface lies in the next voxel over.
+    beside = look_at((0.49, 0.1, 0.0))
+    scan.fuse(render([Sphere((0.006, 0.0, 0.0), 0.1)], beside, 1))
+    surface = scan.snapshot()
+    assert_no_ghosts(scan)
+    from_first_view = np.sum(surface.view_indices == 0)
+    assert from_first_view > 0.85 * first[0].observations_kept
+    front = surface.positions[surface.positions[:, 0] > 0.09]
+    assert np.median(np.linalg.norm(front, axis=1)) > 0.102
+
+
 def noisy(frame, rng):
     noise = rng.normal(0.0, 0.002, frame.depth.shape) * (frame.depth > 0.0)
     return dataclasses.replace(frame, depth=(frame.depth + noise).astype(np.float32))
@@ -182,6 +201,7 @@ def test_noise_loses_few_observations_and_leaves_no_ghosts():
     clean, _ = scan_of(exact)
     rough, _ = scan_of([noisy(frame, rng) for frame in exact])
     assert rough.voxel_count < 1.3 * clean.voxel_count
+    assert_no_ghosts(rough)
     per_voxel = [s.observation_count / s.voxel_count for s in (rough, clean)]
     assert per_voxel[0] > 0.8 * per_voxel[1]
     radii = np.linalg.norm(rough.snapshot().positions, axis=1)
