@@ -9,7 +9,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from reflest_core.features.grouplets import draw_grouplets
+from reflest_core.features.grouplets import NODES_PER_VOXEL, draw_grouplets
 from reflest_core.features.hemisphere import hemisphere_images
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.models.grouplet import Grouplet
@@ -20,10 +20,11 @@ Inputs = tuple[torch.Tensor, ...]
 
 @dataclass(frozen=True)
 class FeatureDraw:
-    """What is random: the grouplets' ``seed``, and a turn of all azimuths in radians."""
+    """How features are drawn: the grouplets' ``seed`` and number, and a turn of all azimuths."""
 
     seed: int
     azimuth: float = 0.0
+    nodes_per_voxel: int = NODES_PER_VOXEL
 
 
 @dataclass(frozen=True)
@@ -45,8 +46,8 @@ def hemicnn_features(
 def grouplet_features(
     surface: ObservedSurface, voxels: NDArray[np.int64], draw: FeatureDraw
 ) -> Inputs:
-    """Branches (10 N, 5, 12) and normals (10 N, 3)."""
-    drawn = draw_grouplets(surface, voxels, draw.seed)
+    """Branches (N nodes, 5, 12) and normals (N nodes, 3), 10 nodes a voxel unless drawn fewer."""
+    drawn = draw_grouplets(surface, voxels, draw.seed, draw.nodes_per_voxel)
     return torch.from_numpy(drawn.branches), torch.from_numpy(drawn.normals)
 
 

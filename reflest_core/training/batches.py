@@ -42,7 +42,9 @@ def stack(samples: list[Sample], recipe: Recipe, rng: np.random.Generator) -> Ba
     for sample in samples:
         # Where fewer voxels were seen, some stand in twice.
         voxels = np.resize(choose_voxels(sample.surface, recipe.voxels), recipe.voxels)
-        draw = FeatureDraw(int(rng.integers(2**31)), float(rng.uniform(-turn, turn)))
+        draw = FeatureDraw(
+            int(rng.integers(2**31)), float(rng.uniform(-turn, turn)), recipe.nodes_per_voxel
+        )
         features.append(kind.features(sample.surface, voxels, draw))
     inputs = tuple(torch.stack(column) for column in zip(*features, strict=True))
     ward = torch.from_numpy(np.stack([sample.ward for sample in samples])).float()

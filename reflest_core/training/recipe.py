@@ -16,8 +16,9 @@ class Recipe:
     """Loss, optimiser and data of one training.
 
     ``loss``: ``rmse1``, ``rmse2`` or ``cuberoot`` (Table 1). ``colour_constancy``: lambda of E_c.
-    ``optimiser``: ``rmsprop`` or ``sgd``. ``voxels``: those of one scene in a minibatch. With
-    ``decay`` the learning rate falls as a cosine to 0 over the last half.
+    ``optimiser``: ``rmsprop`` or ``sgd``. ``voxels``, ``nodes_per_voxel``: of one scene in a
+    minibatch; fewer nodes than an estimate's 10 train faster. With ``decay`` the learning rate
+    falls as a cosine to 0 over the last half.
     """
 
     network: str
@@ -29,6 +30,7 @@ class Recipe:
     batch_size: int
     voxels: int
     colour_constancy: float = 0.0
+    nodes_per_voxel: int = 5
     decay: bool = True
     seed: int = 1
     augmentation: Augmentation = dataclasses.field(default_factory=Augmentation)

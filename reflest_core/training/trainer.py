@@ -88,7 +88,7 @@ class Trainer:
             group["lr"] = self.recipe.learning_rate_at(minibatch)
         self.optimiser.zero_grad()
         loss = self.objective(self.module(*batch.inputs), batch)
-        loss.backward()
+        loss.backward()  # type: ignore[no-untyped-call]
         self.optimiser.step()
         return loss.item()
 
