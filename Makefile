@@ -21,17 +21,17 @@ requirement_flags = $(foreach file,$(1),-r $(file))
 .PHONY: demo test lint set-up clean
 .DEFAULT_GOAL := demo
 
-demo: $(VENV)/run.stamp $(VENV)/interfaces.stamp
+demo: $(VENV)/run.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
 	$(BIN)/python -m reflest_ros.demo
 
-test: $(VENV)/test.stamp $(VENV)/interfaces.stamp
+test: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
 	$(BIN)/python -m pytest $(PYTEST_ARGS)
 
 lint: $(VENV)/test.stamp $(VENV)/interfaces.stamp
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 
-set-up: $(VENV)/test.stamp $(VENV)/interfaces.stamp
+set-up: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
@@ -47,6 +47,12 @@ $(VENV)/test.stamp: $(RUN_REQUIREMENTS) $(TEST_REQUIREMENTS) | $(BIN)/python
 
 $(VENV)/interfaces.stamp: $(INTERFACES) | $(VENV)/run.stamp
 	$(PIP_INSTALL) --no-build-isolation --no-deps --editable .
+	touch $@
+
+# Numba keeps what it compiles beside the sources.
+$(VENV)/kernels.stamp: $(wildcard reflest_core/fusion/*.py reflest_core/features/*.py) \
+		| $(VENV)/interfaces.stamp
+	$(BIN)/python -m reflest_core.estimation.warm_up
 	touch $@
 
 clean:

@@ -23,13 +23,12 @@ from reflest_ros.estimate_message import estimate_to_message
 from reflest_ros.estimation_worker import EstimationWorker
 from reflest_ros.fusion_worker import FusionWorker
 from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
+from reflest_ros.node_name import NODE_NAME
 from reflest_ros.parameters import declare_parameters, guard_parameters
 from reflest_ros.qos import OUTPUT_QOS
 from reflest_ros.services import ScanServices
 from reflest_ros.silence import SilenceWatch
 from reflest_ros.subscriptions import input_topics, subscribe
-
-NODE_NAME = "reflest_estimator"
 
 
 class EstimatorNode(Node):
@@ -47,9 +46,9 @@ class EstimatorNode(Node):
         self._publisher = self.create_publisher(BrdfEstimateMessage, "reflectance/brdf", OUTPUT_QOS)
 
         self.get_logger().info("starting (the first start after installation compiles for 30 s)")
-        warm_up(self._settings)
-        assembler = FrameAssembler(self._settings.capture, topics, self._on_refusal)
         self._scanner = Scanner(self._settings)
+        warm_up(self._scanner.estimator)
+        assembler = FrameAssembler(self._settings.capture, topics, self._on_refusal)
         self._estimation = EstimationWorker(
             self._scanner.estimate, self._publish, self._on_failure, self.crash
         )

@@ -1,4 +1,7 @@
-"""Compiles fusion and estimation before the first real frame has to wait for it."""
+"""Compiles fusion and estimation before the first real frame has to wait for it.
+
+``python -m reflest_core.estimation.warm_up`` does so after an installation.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ import contextlib
 import numpy as np
 
 from reflest_core.estimation.estimator import Estimator, NoEstimate
+from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.fusion import warm_up as fusion
 from reflest_core.fusion.observed_surface import ObservedSurface
 
@@ -34,3 +38,7 @@ def _grey_wall() -> ObservedSurface:
         view_foreground=np.full((VIEWS, 3), 128.0, np.float32),
         view_background=np.full((VIEWS, 3), np.nan, np.float32),
     )
+
+
+if __name__ == "__main__":
+    warm_up(Estimator(EstimationSettings()))

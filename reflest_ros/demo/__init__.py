@@ -1,0 +1,1 @@
+"""``make demo``: a shipped capture through the real node, compared with its truth."""

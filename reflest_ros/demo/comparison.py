@@ -1,0 +1,58 @@
+"""Estimate against truth, parameter by parameter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from reflest_core.estimation.estimate import BrdfEstimate
+
+
+@dataclass(frozen=True)
+class ComparedParameter:
+    """One number of the BRDF with its meaning."""
+
+    name: str
+    meaning: str
+    truth: float
+    estimate: float
+
+    @property
+    def error(self) -> float:
+        """Estimate minus truth."""
+        return self.estimate - self.truth
+
+
+NAMES = (
+    ("rho_d", ("rho_d red", "rho_d green", "rho_d blue"), "diffuse albedo, linear sRGB"),
+    ("rho_s", ("rho_s",), "specular strength"),
+    ("alpha", ("alpha",), "roughness"),
+    ("lab", ("L*", "a*", "b*"), "CIE Lab of rho_d, D65"),
+    ("c", ("c",), "contrast of the gloss"),
+    ("d", ("d",), "distinctness of the gloss"),
+)
+
+
+def compare(estimate: BrdfEstimate, truth: dict[str, Any]) -> list[ComparedParameter]:
+    """Every Ward and Lab/c,d value of the estimate beside its truth."""
+    return [
+        ComparedParameter(name, meaning, true_value, estimated)
+        for field, names, meaning in NAMES
+        for name, true_value, estimated in zip(
+            names, _values(truth[field]), _values(getattr(estimate, field)), strict=True
+        )
+    ]
+
+
+def table(compared: list[ComparedParameter]) -> str:
+    """The comparison as lines of text."""
+    lines = [f"  {'parameter':<12}{'truth':>9}{'estimate':>10}{'error':>9}   meaning"]
+    lines += [
+        f"  {one.name:<12}{one.truth:>9.3f}{one.estimate:>10.3f}{one.error:>+9.3f}   {one.meaning}"
+        for one in compared
+    ]
+    return "\n".join(lines)
+
+
+def _values(value: Any) -> tuple[float, ...]:
+    return tuple(value) if isinstance(value, (list, tuple)) else (value,)

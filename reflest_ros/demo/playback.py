@@ -1,0 +1,140 @@
+"""Estimator and bag player as processes of their own, and a listener to what comes of them."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+from reflest_core.errors import ReflestError
+from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_ros.estimate_message import estimate_from_message
+from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
+from reflest_ros.node_name import NODE_NAME
+from reflest_ros.qos import OUTPUT_QOS
+from reflest_ros.srv import Estimate
+
+PROFILE = Path(__file__).resolve().parents[2] / "config" / "fastdds_large_messages.xml"
+ESTIMATOR = [
+    "-m", "reflest_ros.estimator", "--ros-args", "--log-level", "reflest_estimator:=info",
+    "-p", "input.reliability:=reliable", "-p", "input.queue_size:=2000",
+]  # fmt: skip
+START_LIMIT = 240.0
+"""Seconds; the first start after installation compiles."""
+ESTIMATE_LIMIT = 60.0
+
+
+class DemoError(ReflestError):
+    """A process of the demo ended early or did not answer."""
+
+
+class EstimateListener(Node):
+    """Prints every estimate as it is published."""
+
+    def __init__(self, context: Context) -> None:
+        super().__init__("reflest_demo", context=context)
+        self.create_subscription(
+            BrdfEstimateMessage, "/reflectance/brdf", self._on_estimate, OUTPUT_QOS
+        )
+        self.estimate_now = self.create_client(Estimate, f"/{NODE_NAME}/estimate")
+
+    def _on_estimate(self, message: BrdfEstimateMessage) -> None:
+        estimate = estimate_from_message(message)
+        red, green, blue = estimate.rho_d
+        print(
+            f"  /reflectance/brdf  rho_d {red:.3f} {green:.3f} {blue:.3f}  rho_s "
+            f"{estimate.rho_s:.3f}  alpha {estimate.alpha:.3f}  from {estimate.view_count:3d} views"
+            f", {1000 * estimate.latency:.0f} ms after its image",
+            flush=True,
+        )
+
+
+def estimate_over_dds(bag: Path) -> BrdfEstimate:
+    """Play ``bag`` to an estimator process; its estimate from the whole scan.
+
+    Raises :class:`DemoError` where a process fails or takes too long.
+    """
+    use_private_domain()
+    context = Context()
+    rclpy.init(context=context)
+    listener = EstimateListener(context)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(listener)
+    try:
+        with running(ESTIMATOR) as estimator:
+            _wait_for_start(listener, executor, estimator)
+            with running(["-m", "reflest_ros.bag_player", str(bag)]) as player:
+                while player.poll() is None:
+                    executor.spin_once(timeout_sec=0.1)
+                if player.returncode != 0:
+                    raise DemoError(f"the bag player ended with exit code {player.returncode}")
+            estimate = _final_estimate(listener, executor, estimator)
+        if estimator.returncode != 0:
+            raise DemoError(f"the estimator ended with exit code {estimator.returncode}")
+        return estimate
+    finally:
+        listener.destroy_node()
+        executor.shutdown()
+        context.try_shutdown()
+
+
+def use_private_domain() -> None:
+    """Keep to this machine and off other robots' domain, unless the user chose one."""
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
+    if PROFILE.exists():
+        os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(PROFILE))
+
+
+@contextlib.contextmanager
+def running(arguments: list[str]) -> Iterator[subprocess.Popen[bytes]]:
+    """A Python process for the block; SIGINT ends it, and what ignores that is killed."""
+    process = subprocess.Popen([sys.executable, *arguments])
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+        try:
+            process.wait(20.0)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def _wait_for_start(
+    listener: EstimateListener,
+    executor: SingleThreadedExecutor,
+    estimator: subprocess.Popen[bytes],
+) -> None:
+    deadline = listener.get_clock().now().nanoseconds + START_LIMIT * 1e9
+    while not listener.estimate_now.service_is_ready():
+        executor.spin_once(timeout_sec=0.1)
+        if estimator.poll() is not None:
+            raise DemoError(f"the estimator ended with exit code {estimator.returncode}")
+        if listener.get_clock().now().nanoseconds > deadline:
+            raise DemoError(f"the estimator did not start in {START_LIMIT:g} s")
+
+
+def _final_estimate(
+    listener: EstimateListener,
+    executor: SingleThreadedExecutor,
+    estimator: subprocess.Popen[bytes],
+) -> BrdfEstimate:
+    answer = listener.estimate_now.call_async(Estimate.Request())
+    executor.spin_until_future_complete(answer, ESTIMATE_LIMIT)
+    response = answer.result()
+    if response is None:
+        raise DemoError(f"the estimator (exit code {estimator.poll()}) did not answer in time")
+    if not response.success:
+        raise DemoError(f"there is no estimate: {response.message}")
+    return estimate_from_message(response.estimate)

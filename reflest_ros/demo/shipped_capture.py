@@ -1,0 +1,63 @@
+"""The capture that the demo plays: a bag, and the truth that the estimator never opens."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.brdf.parameters import WardParameters, WardVariant
+from reflest_core.capture.errors import CaptureError
+from reflest_core.capture.open_capture import open_capture
+
+CAPTURES = Path(__file__).resolve().parents[2] / "captures"
+TRUTH = "truth.json"
+
+
+@dataclass(frozen=True)
+class ShippedCapture:
+    """``truth``: field names of ``BrdfEstimate`` to true values."""
+
+    bag: Path
+    truth: dict[str, Any]
+
+    @property
+    def name(self) -> str:
+        """The capture's folder name."""
+        return self.bag.name
+
+    @property
+    def true_ward(self) -> WardParameters:
+        """The material that was rendered."""
+        return ward_parameters(self.truth)
+
+    def middle_frame(self) -> NDArray[np.uint8]:
+        """(H, W, 3) 8-bit sRGB image from the middle of the capture."""
+        capture = open_capture(self.bag)
+        middle = (capture.frame_total or 1) // 2
+        frame = next(frame for index, frame in enumerate(capture) if index >= middle)
+        return frame.rgb
+
+
+def find_capture(bag: Path | None) -> ShippedCapture:
+    """The capture ``bag``, else the first one that is shipped; :class:`CaptureError` if none."""
+    found = [bag] if bag else sorted(path.parent for path in CAPTURES.glob(f"[!.]*/{TRUTH}"))
+    if not found:
+        raise CaptureError(f"{CAPTURES} holds no capture with a {TRUTH}: name one with --capture")
+    try:
+        truth = json.loads((found[0] / TRUTH).read_text())
+    except (OSError, ValueError) as error:
+        raise CaptureError(f"{found[0] / TRUTH} cannot be read ({error})") from error
+    return ShippedCapture(found[0], truth)
+
+
+def ward_parameters(values: dict[str, Any]) -> WardParameters:
+    """Ward parameters out of the fields of an estimate or a truth file."""
+    red, green, blue = values["rho_d"]
+    return WardParameters(
+        (red, green, blue), values["rho_s"], values["alpha"], WardVariant(values["ward_variant"])
+    )

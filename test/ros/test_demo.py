@@ -1,0 +1,51 @@
+"""The demo as a process, on a small capture."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import cv2
+import pytest
+from own_process import ROOT
+from sphere_messages import write_sphere_bag
+
+TRUTH = {
+    "ward_variant": "ward-1992", "rho_d": [0.6, 0.2, 0.15], "rho_s": 0.1, "alpha": 0.12,
+    "lab": [58.0, 35.0, 30.0], "c": 0.3, "d": 0.88,
+}  # fmt: skip
+
+
+def run_demo(*arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "reflest_ros.demo", *map(str, arguments)],
+        cwd=ROOT, capture_output=True, text=True, timeout=280,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def capture(tmp_path):
+    bag = write_sphere_bag(tmp_path / "red-sphere", count=6)
+    (bag / "truth.json").write_text(json.dumps(TRUTH))
+    return bag
+
+
+def test_the_demo_compares_with_the_truth_and_draws(capture, tmp_path):
+    result = run_demo("--capture", capture, "--output", tmp_path / "out")
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert "/reflectance/brdf" in result.stdout
+    rows = {words[0]: words[1:] for words in map(str.split, result.stdout.splitlines()) if words}
+    truth, estimate, error = map(float, rows["alpha"][:3])
+    assert truth == TRUTH["alpha"]
+    assert error == pytest.approx(estimate - truth, abs=2e-3)
+    picture = cv2.imread(str(tmp_path / "out" / "reflest-demo.png"))
+    assert picture.shape == (750, 1600, 3)
+    assert picture.std() > 20
+
+
+def test_a_capture_without_truth_is_named_in_one_sentence(tmp_path):
+    result = run_demo("--capture", tmp_path / "nothing", "--output", tmp_path / "out")
+    assert result.returncode == 2
+    assert "nothing/truth.json" in result.stderr
+    assert "Traceback" not in result.stderr
