@@ -2,12 +2,21 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from reflest_core.capture.frame import Frame
 from reflest_core.fusion.foreground import classify_pixels
 from reflest_core.fusion.region import Region
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.fusion.tsdf import BYTES_PER_BLOCK, TsdfVolume
 from reflest_core.fusion.voxel_key import unpack_key
-from test.core.fusion.analytic_scene import OBJECT, Sphere, look_at, orbit, orbit_frames, render
+from test.core.fusion.analytic_scene import (
+    OBJECT,
+    SMALL_CAMERA,
+    Sphere,
+    look_at,
+    orbit,
+    orbit_frames,
+    render,
+)
 from test.core.fusion.open3d_peer import open3d_surface
 
 SETTINGS = FusionSettings(max_depth=1.0)
@@ -89,6 +98,22 @@ def test_voxels_that_leave_are_told_with_where_their_surface_went():
     assert handed_on.mean() > 0.8
     assert np.all(moved_to[facing_camera, 0] - moved_from[facing_camera, 0] == 1)
     assert not left & set(change.keys.tolist())
+
+
+def test_a_surface_voxel_stays_until_its_foot_point_is_well_outside():
+    volume = TsdfVolume(0.005, 4.0, 2000)
+    layers, left = [], []
+    # Mean depths of 200.4, 200.56 and 200.77 voxels.
+    for number, depth in enumerate((1.002, 1.0036, 1.006), start=1):
+        image = np.full((120, 160), depth, np.float32)
+        frame = Frame(number, np.zeros((120, 160, 3), np.uint8), image, np.eye(4), SMALL_CAMERA)
+        pixels = classify_pixels(frame, NO_REGION, FusionSettings(max_depth=2.0))
+        volume.allocate(frame, pixels, number)
+        change = volume.extract(volume.integrate(frame, pixels, number))
+        layers.append({unpack_key(key)[2] for key in change.keys})
+        left.append({unpack_key(key)[2] for key in change.left})
+    assert layers == [{200}, {200, 201}, {201}]
+    assert left == [set(), set(), {200}]
 
 
 def test_a_full_volume_erases_the_blocks_unseen_for_longest():
