@@ -7,6 +7,8 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+from reflest_core.parameter import ParameterError
+
 ALL_MODELS = ("hemicnn", "grouplet-fast", "grouplet-slow")
 
 
@@ -18,7 +20,9 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("data", type=Path, help="folder written by 'reflest synbrdf generate'")
     parser.add_argument("--out", type=Path, required=True, help="folder for accuracy.{json,md}")
     parser.add_argument("--model", choices=ALL_MODELS, nargs="+", default=list(ALL_MODELS))
-    parser.add_argument("--weights", type=Path, help="weight file in place of the shipped one")
+    parser.add_argument(
+        "--also", metavar="MODEL=FILE", nargs="+", default=[], help="rows for other weight files"
+    )
     parser.add_argument("--split", nargs="+", default=["validation", "unseen"])
     parser.set_defaults(run=run)
 
@@ -31,24 +35,37 @@ def run(arguments: argparse.Namespace) -> int:
     from reflest_core.training.evaluation import evaluate, guess_the_mean
     from reflest_core.training.report import write_report
     from reflest_core.training.sample import load_samples
+    from reflest_core.training.scatter_plot import draw_scatter
 
-    predictors = [Predictor(model, arguments.weights) for model in arguments.model]
+    predictors = {}
+    for model in arguments.model:
+        predictor = Predictor(model)
+        predictors[predictor.model_id] = predictor
+    for model, file in map(_model_and_file, arguments.also):
+        predictors[f"{model} ({file.stem})"] = Predictor(model, file)
     evaluations = []
     for split in arguments.split:
         samples = load_samples(arguments.data, split)
-        evaluations.append(guess_the_mean(predictors[0], samples, split))
-        for predictor in predictors:
-            with tqdm(total=len(samples), desc=f"{predictor.model_id} on {split}") as bar:
-                evaluations.append(evaluate(predictor, samples, split, bar.update))
-    options = f" --weights {arguments.weights.name}" if arguments.weights else ""
+        evaluations.append(guess_the_mean(next(iter(predictors.values())), samples, split))
+        for name, predictor in predictors.items():
+            with tqdm(total=len(samples), desc=f"{name} on {split}") as bar:
+                evaluations.append(evaluate(predictor, samples, split, bar.update, name))
     provenance = {
-        "command": f"reflest evaluate DATA --out {arguments.out}{options}",
+        "command": f"reflest evaluate DATA --out {arguments.out}",
         "commit": _commit(),
         "data": _describe(arguments.data),
     }
     write_report(arguments.out, evaluations, provenance)
+    draw_scatter(arguments.out / "accuracy.png", evaluations)
     print(arguments.out / "accuracy.md")
     return 0
+
+
+def _model_and_file(given: str) -> tuple[str, Path]:
+    model, _, file = given.partition("=")
+    if model not in ALL_MODELS or not file:
+        raise ParameterError(f"--also {given}: give MODEL=FILE with one of {', '.join(ALL_MODELS)}")
+    return model, Path(file)
 
 
 def _commit() -> str:
@@ -63,4 +80,5 @@ def _describe(data: Path) -> str:
     import json
 
     manifest = json.loads((data / "manifest.json").read_text())
-    return f"SynBRDF seed {manifest['seed']}"
+    environments, meshes = len(manifest["environments"]), len(manifest["meshes"])
+    return f"SynBRDF seed {manifest['seed']}, {environments} environments, {meshes} meshes"

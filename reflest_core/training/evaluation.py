@@ -17,24 +17,35 @@ from reflest_core.training.sample import Sample
 
 @dataclass(frozen=True)
 class Evaluation:
-    """One row of the table: a model on a split, in both parameterisations."""
+    """One row of the table: a model on a split, in both parameterisations.
 
-    model_id: str
+    ``estimates``, ``truths``: (S, 5) float64 Ward parameters of the split's scenes.
+    """
+
+    model: str
     split: str
-    scenes: int
     ward: NormalisedRmse
     labcd: NormalisedRmse
+    estimates: NDArray[np.float64]
+    truths: NDArray[np.float64]
 
 
 def evaluate(
-    predictor: Predictor, samples: list[Sample], split: str, progress: Callable[[], object]
+    predictor: Predictor,
+    samples: list[Sample],
+    split: str,
+    progress: Callable[[], object],
+    name: str | None = None,
 ) -> Evaluation:
-    """Estimate every scene as the live path would; ``progress`` is called after each."""
+    """Estimate every scene as the live path would; ``progress`` is called after each.
+
+    The row is named ``name``, or by the model and its weights.
+    """
     estimates = []
     for sample in samples:
         estimates.append(physical_ward(predictor.predict(sample.surface).ward))
         progress()
-    return _measure(predictor, np.stack(estimates), samples, split, predictor.model_id)
+    return _measure(predictor, np.stack(estimates), samples, split, name or predictor.model_id)
 
 
 def guess_the_mean(predictor: Predictor, samples: list[Sample], split: str) -> Evaluation:
@@ -50,14 +61,15 @@ def _measure(
     estimates: NDArray[np.float64],
     samples: list[Sample],
     split: str,
-    model_id: str,
+    model: str,
 ) -> Evaluation:
     truths = np.stack([sample.ward for sample in samples])
     known = predictor.card.statistics
     return Evaluation(
-        model_id,
+        model,
         split,
-        len(samples),
         normalised_rmse(estimates, truths, known["ward"]),
         normalised_rmse(ward_to_labcd(estimates), ward_to_labcd(truths), known["labcd"]),
+        estimates,
+        truths,
     )

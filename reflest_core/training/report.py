@@ -20,12 +20,19 @@ PAPER_RMSE = {"hemicnn": 0.419, "grouplet-fast": None, "grouplet-slow": 0.432}
 def write_report(folder: Path, evaluations: list[Evaluation], provenance: dict[str, Any]) -> None:
     """Write ``accuracy.json`` and ``accuracy.md``; ``provenance``: command, data, commit."""
     folder.mkdir(parents=True, exist_ok=True)
-    record = {
-        "provenance": provenance,
-        "evaluations": [dataclasses.asdict(evaluation) for evaluation in evaluations],
-    }
+    record = {"provenance": provenance, "evaluations": [_record(row) for row in evaluations]}
     (folder / "accuracy.json").write_text(json.dumps(record, indent=1, default=_plain) + "\n")
     (folder / "accuracy.md").write_text(_page(evaluations, provenance))
+
+
+def _record(evaluation: Evaluation) -> dict[str, Any]:
+    return {
+        "model": evaluation.model,
+        "split": evaluation.split,
+        "scenes": len(evaluation.truths),
+        "ward": dataclasses.asdict(evaluation.ward),
+        "labcd": dataclasses.asdict(evaluation.labcd),
+    }
 
 
 def _page(evaluations: list[Evaluation], provenance: dict[str, Any]) -> str:
@@ -39,7 +46,7 @@ def _page(evaluations: list[Evaluation], provenance: dict[str, Any]) -> str:
     ]
     for split in dict.fromkeys(evaluation.split for evaluation in evaluations):
         rows = [evaluation for evaluation in evaluations if evaluation.split == split]
-        lines += ["", f"## Split: {split} ({rows[0].scenes} scenes)", ""]
+        lines += ["", f"## Split: {split} ({len(rows[0].truths)} scenes)", ""]
         lines += _table(rows, "ward", WARD_NAMES, with_paper=split == "validation")
         lines += [""]
         lines += _table(rows, "labcd", LABCD_NAMES, with_paper=False)
@@ -57,9 +64,9 @@ def _table(
         measured: NormalisedRmse = getattr(row, parameters)
         figures = [measured.overall, *measured.per_parameter]
         figures += [measured.scene_mean, measured.scene_median, measured.scene_p95]
-        cells = [row.model_id, *(f"{figure:.3f}" for figure in figures)]
+        cells = [row.model, *(f"{figure:.3f}" for figure in figures)]
         if with_paper:
-            paper = PAPER_RMSE.get(row.model_id.split("/")[0])
+            paper = PAPER_RMSE.get(row.model.split("/")[0])
             cells.append("" if paper is None else f"{paper:.3f}")
         lines.append("| " + " | ".join(cells) + " |")
     return lines

@@ -2,6 +2,7 @@
 
 import json
 
+import cv2
 import numpy as np
 import pytest
 
@@ -10,6 +11,7 @@ from reflest_core.models.predictor import Predictor
 from reflest_core.training.evaluation import evaluate, guess_the_mean
 from reflest_core.training.metrics import normalised_rmse
 from reflest_core.training.report import write_report
+from reflest_core.training.scatter_plot import draw_scatter
 from test.core.training.scenes import learnable_samples
 
 
@@ -48,4 +50,6 @@ def test_the_report_holds_every_figure_once_in_json_and_once_on_the_page(tmp_pat
     page = (tmp_path / "accuracy.md").read_text()
     assert f"{evaluated.ward.overall:.3f}" in page
     assert predictor.model_id in page
+    draw_scatter(tmp_path / "accuracy.png", [guessed, evaluated])
+    assert cv2.imread(str(tmp_path / "accuracy.png")).std() > 10
     assert "| 0.419 |" in page
