@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
-from safetensors.numpy import save_file
+from safetensors.numpy import save
 
 from reflest_core.brdf.parameters import WardParameters, WardVariant
 from reflest_core.errors import ReflestError
@@ -58,9 +58,16 @@ def save_shard(path: Path, scenes: list[SynbrdfScene]) -> None:
         cards.append(_card(scene))
     metadata = {"format": FORMAT, "scenes": json.dumps(cards, sort_keys=True)}
     temporary = path.with_suffix(".partial")
-    save_file(arrays, temporary, metadata)
-    os.chmod(temporary, 0o644)
+    temporary.write_bytes(_with_sorted_header(save(arrays, metadata)))
     os.replace(temporary, path)
+
+
+def _with_sorted_header(data: bytes) -> bytes:
+    """Order the header's keys: safetensors leaves its metadata in an order of chance."""
+    end = 8 + int.from_bytes(data[:8], "little")
+    header = json.dumps(json.loads(data[8:end]), sort_keys=True, separators=(",", ":")).encode()
+    header += b" " * (-len(header) % 8)
+    return len(header).to_bytes(8, "little") + header + data[end:]
 
 
 def load_shard(path: Path) -> list[SynbrdfScene]:

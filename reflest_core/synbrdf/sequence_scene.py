@@ -118,7 +118,8 @@ def _draw_light(rng: np.random.Generator, environments: Path | None) -> Light:
 
 def _check_material(material: WardParameters) -> None:
     rho_d, rho_s, alpha = material.rho_d, material.rho_s, material.alpha
-    if not (min(rho_d) >= 0.0 and rho_s >= 0.0 and max(rho_d) + rho_s <= 1.0):
+    # Every value is compared, so that NaN passes nowhere.
+    if not all(albedo >= 0.0 and albedo + rho_s <= 1.0 for albedo in rho_d) or not rho_s >= 0.0:
         raise SequenceRefused(
             f"--material has rho_d {rho_d} and rho_s {rho_s}, but they must be 0 or more and the "
             "largest rho_d plus rho_s at most 1"

@@ -1,0 +1,107 @@
+"""The data set on disk: the same bytes from the same seed, however the run went."""
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mitsuba")
+
+from reflest_core.cli.main import main
+from reflest_core.synbrdf.generate import Generation, generate, shard_tasks
+from reflest_core.synbrdf.scene_file import (
+    SceneFileError,
+    load_scenes,
+    load_shard,
+    save_shard,
+    sha256,
+)
+
+SCENES = {"train": 2, "validation": 1, "unseen": 1}
+TINY = Generation(seed=5, scenes=SCENES, points=30, views=6, samples=4)
+
+
+def hashes(folder):
+    return {path.name: sha256(path) for path in sorted(folder.iterdir())}
+
+
+@pytest.fixture(scope="module")
+def generated(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("synbrdf") / "set"
+    generate(folder, TINY, jobs=1)
+    return folder
+
+
+def test_two_processes_write_the_same_bytes(generated, tmp_path):
+    generate(tmp_path / "again", TINY, jobs=2)
+    assert hashes(tmp_path / "again") == hashes(generated)
+
+
+def test_a_killed_run_is_resumed_to_the_same_bytes(generated, tmp_path):
+    folder = tmp_path / "set"
+    shutil.copytree(generated, folder)
+    lost = next(folder.glob("train-*.safetensors"))
+    lost.with_suffix(".partial").write_bytes(lost.read_bytes()[:1000])
+    lost.unlink()
+    kept = {path.name: path.stat().st_mtime_ns for path in folder.glob("unseen-*")}
+    generate(folder, TINY, jobs=1)
+    assert hashes(folder) == hashes(generated)
+    assert {path.name: path.stat().st_mtime_ns for path in folder.glob("unseen-*")} == kept
+
+
+def test_scenes_come_back_whole(generated):
+    scenes = list(load_scenes(generated, "train"))
+    assert [scene.index for scene in scenes] == [0, 1]
+    for scene in scenes:
+        surface = scene.surface
+        assert scene.split == "train"
+        assert surface.positions.shape == (30, 3)
+        assert surface.view_centres.shape == (6, 3)
+        assert surface.offsets[-1] == len(surface.colours) == len(scene.radiance)
+        np.testing.assert_allclose(np.linalg.norm(surface.normals, axis=1), 1.0, atol=1e-5)
+        # No kept view is past the grazing limit.
+        of_point = np.repeat(np.arange(30), surface.observation_counts)
+        cosines = np.einsum("ij,ij->i", surface.view_directions(), surface.normals[of_point])
+        assert cosines.min() > 0.25
+        assert np.isfinite(surface.view_background).all()
+        assert max(scene.truth.rho_d) + scene.truth.rho_s <= 1 + 1e-9
+    one, other = scenes
+    assert one.truth != other.truth
+    unseen = next(load_scenes(generated, "unseen"))
+    assert unseen.environment not in {e for s in scenes for e in s.environment.split("+")}
+
+
+def test_the_manifest_names_every_shard_with_its_hash(generated):
+    manifest = json.loads((generated / "manifest.json").read_text())
+    assert set(manifest["sha256"]) == {task.file_name for task in shard_tasks(TINY)}
+    for name, digest in manifest["sha256"].items():
+        assert sha256(generated / name) == digest
+
+
+def test_another_seed_in_the_same_folder_is_refused(generated, capsys):
+    arguments = ["--out", str(generated), "--seed", "6", "--train", "2", "--validation", "1"]
+    arguments += ["--unseen", "1", "--points", "30", "--views", "6", "--samples", "4"]
+    before = hashes(generated)
+    assert main(["synbrdf", "generate", *arguments]) == 2
+    printed = capsys.readouterr().err.strip()
+    assert printed.startswith("reflest: error:")
+    assert "another seed" in printed
+    assert len(printed.splitlines()) == 1
+    assert hashes(generated) == before
+
+
+@pytest.mark.parametrize(
+    "damage", [lambda b: b[: len(b) // 2], lambda b: b"x" * 100, lambda b: b""]
+)
+def test_a_damaged_shard_is_named(generated, tmp_path, damage):
+    whole = next(generated.glob("train-*.safetensors"))
+    broken = tmp_path / whole.name
+    broken.write_bytes(damage(whole.read_bytes()))
+    with pytest.raises(SceneFileError, match=whole.name):
+        load_shard(broken)
+
+
+def test_a_folder_without_a_manifest_is_refused(tmp_path):
+    with pytest.raises(SceneFileError, match=r"manifest\.json"):
+        next(load_scenes(tmp_path, "train"))
