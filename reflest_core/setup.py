@@ -1,8 +1,9 @@
 """Names the packages: this file lies in the package that it installs."""
 
-from setuptools import find_packages, setup
+from setuptools import find_namespace_packages, setup
 
-subpackages = find_packages(exclude=["build*"])
+# Folders of data, such as the weights', count as packages too.
+subpackages = find_namespace_packages(exclude=["build*", "*__pycache__*", "*.egg-info"])
 setup(
     package_dir={"reflest_core": "."},
     packages=["reflest_core", *(f"reflest_core.{name}" for name in subpackages)],
