@@ -69,6 +69,7 @@ def save_weights(path: Path, tensors: Tensors, card: WeightsCard, eight_bit: boo
     metadata = {"format": FORMAT, "card": described, "sha256": content_hash(stored, described)}
     temporary = path.with_suffix(".partial")
     save_file(stored, temporary, metadata)
+    os.chmod(temporary, 0o644)  # safetensors writes for the owner alone
     os.replace(temporary, path)
 
 
