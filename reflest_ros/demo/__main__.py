@@ -39,7 +39,7 @@ def _demo(options: argparse.Namespace) -> int:
     from reflest_ros.demo.picture import draw
 
     picture = options.output / "reflest-demo.png"
-    draw(picture, capture.middle_frame(), capture.true_ward, estimate, compared, capture.name)
+    draw(picture, capture.close_up(), capture.true_ward, estimate, compared, capture.name)
     print(f"wrote {picture}")
     return 0
 

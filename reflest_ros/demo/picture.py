@@ -46,7 +46,7 @@ def draw(
     _write(figure, SPHERES_LEFT, 0.55, subtitle, fontsize=16, color=FAINT)
 
     height = COLUMN * frame.shape[0] / frame.shape[1]
-    _write(figure, MARGIN, TOP - 0.16, f"a frame of the scan “{capture}”", color=FAINT)
+    _write(figure, MARGIN, TOP - 0.16, f"from a frame of the scan “{capture}”", color=FAINT)
     _show(_axes(figure, MARGIN, TOP, COLUMN, height), frame)
     table_top = TOP + height + 0.2
     table = _axes(figure, MARGIN, table_top, COLUMN, HEIGHT - table_top - 0.3)

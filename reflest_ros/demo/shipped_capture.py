@@ -12,10 +12,13 @@ from numpy.typing import NDArray
 
 from reflest_core.brdf.parameters import WardParameters, WardVariant
 from reflest_core.capture.errors import CaptureError
+from reflest_core.capture.frame import Frame
 from reflest_core.capture.open_capture import open_capture
 
 CAPTURES = Path(__file__).resolve().parents[2] / "captures"
 TRUTH = "truth.json"
+CLOSE_UP = 1.5
+"""Size of the close-up over that of the object."""
 
 
 @dataclass(frozen=True)
@@ -35,12 +38,25 @@ class ShippedCapture:
         """The material that was rendered."""
         return ward_parameters(self.truth)
 
-    def middle_frame(self) -> NDArray[np.uint8]:
-        """(H, W, 3) 8-bit sRGB image from the middle of the capture."""
+    def close_up(self) -> NDArray[np.uint8]:
+        """8-bit sRGB image from the middle of the capture, cut to what has depth."""
         capture = open_capture(self.bag)
         middle = (capture.frame_total or 1) // 2
         frame = next(frame for index, frame in enumerate(capture) if index >= middle)
+        return cut_to_object(frame)
+
+
+def cut_to_object(frame: Frame) -> NDArray[np.uint8]:
+    """The part of the image, of the whole one's proportions, around the pixels with depth."""
+    height, width = frame.depth.shape
+    rows, columns = np.nonzero(frame.depth > 0)
+    share = CLOSE_UP * max(np.ptp(rows) / height, np.ptp(columns) / width)
+    if share >= 1:
         return frame.rgb
+    cut_height, cut_width = round(share * height), round(share * width)
+    top = int(np.clip((rows.min() + rows.max() - cut_height) // 2, 0, height - cut_height))
+    left = int(np.clip((columns.min() + columns.max() - cut_width) // 2, 0, width - cut_width))
+    return frame.rgb[top : top + cut_height, left : left + cut_width]
 
 
 def find_capture(bag: Path | None) -> ShippedCapture:

@@ -1,0 +1,35 @@
+"""The message holds exactly the estimate's fields, and gives back what it was given."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
+from reflest_ros.estimate_message import estimate_from_message, estimate_to_message
+from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
+
+ESTIMATE = BrdfEstimate(
+    stamp_ns=1_750_000_000_123_456_789, frame_id="camera", schema_version=1, model_id="hemicnn/0",
+    ward_variant="ward-1992", rho_d=(0.1, 0.2, 0.3), rho_s=0.04, alpha=0.15, lab=(50.0, -3.0, 7.0),
+    c=0.2, d=0.85, voxel_count=70_000, observation_count=3_000_000, view_count=300, coverage=0.4,
+    status=EstimateStatus.LOW_COVERAGE, status_text="move", alpha_stddev=0.01, latency=0.2,
+)  # fmt: skip
+
+
+def test_message_and_estimate_have_the_same_fields():
+    own = {field.name for field in dataclasses.fields(BrdfEstimate)}
+    sent = set(BrdfEstimateMessage.get_fields_and_field_types())
+    assert sent == own - {"stamp_ns", "frame_id"} | {"header"}
+
+
+def test_status_constants_are_the_estimates():
+    for status in EstimateStatus:
+        assert getattr(BrdfEstimateMessage, f"STATUS_{status.name}") == status
+
+
+def test_round_trip_is_exact_and_unknown_stays_nan():
+    back = estimate_from_message(estimate_to_message(ESTIMATE))
+    assert back.to_json() == ESTIMATE.to_json()
+    assert back.stamp_ns == ESTIMATE.stamp_ns
+    assert back.rho_s_stddev != back.rho_s_stddev
+    assert back.status is EstimateStatus.LOW_COVERAGE

@@ -1,0 +1,206 @@
+"""The two threads, without DDS: what is dropped, skipped, forgotten, and what a crash does."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+import pytest
+from sphere_messages import camera_info_message, depth_message, pose_message, rgb_message
+from sphere_scene import views
+from test_estimate_message import ESTIMATE
+
+from reflest_core.capture.assembler import FrameAssembler
+from reflest_core.capture.messages import Role
+from reflest_core.capture.refusal import RefusalCause
+from reflest_core.capture.settings import CaptureSettings
+from reflest_core.errors import ReflestError
+from reflest_core.estimation.estimator import NoEstimate
+from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
+from reflest_core.estimation.settings import ReflestSettings
+from reflest_ros import core_messages
+from reflest_ros.estimation_worker import EstimationWorker
+from reflest_ros.fusion_worker import FusionWorker, Keyframe
+
+
+def crash_is_failure(error):
+    raise error
+
+
+@pytest.fixture
+def fusion():
+    """A worker that is not started yet, with room for 8 messages; its assembler; its keyframes."""
+    settings = ReflestSettings.from_values({"fusion": {"voxel_size": 0.02}})
+    assembler = FrameAssembler(CaptureSettings())
+    keyframes = []
+    worker = FusionWorker(
+        assembler, Scanner(settings), keyframes.append, crash_is_failure,
+        queue_size=8, settle_after=0.05,
+    )  # fmt: skip
+    yield worker, assembler, keyframes
+    worker.stop()
+
+
+def offer(worker, view):
+    worker.offer(Role.POSE, core_messages.pose_message(pose_message(view)))
+    worker.offer(Role.CAMERA_INFO, core_messages.camera_info_message(camera_info_message(view)))
+    worker.offer(Role.DEPTH, core_messages.image_message(depth_message(view)))
+    worker.offer(Role.RGB, core_messages.image_message(rgb_message(view)))
+
+
+def test_what_finds_no_room_is_dropped_counted_and_said(fusion):
+    worker, assembler, keyframes = fusion
+    for view in views(3):
+        offer(worker, view)
+    worker.start()
+    assert worker.call(lambda: worker.counts.fused).result(60) == 2
+    assert worker.counts.dropped == 4
+    assert assembler.refusals.counts[RefusalCause.QUEUE_FULL] == 4
+    assert "input.queue_size" in assembler.refusals.first_message[RefusalCause.QUEUE_FULL]
+    assert keyframes[0].snapshot.stamp_ns == next(views(1)).stamp_ns
+
+
+def test_a_job_runs_after_what_came_before_it_and_its_error_reaches_the_caller(fusion):
+    worker, _, _ = fusion
+    offer(worker, next(views(1)))
+    fused = worker.call(lambda: worker.counts.fused)
+    failed = worker.call(lambda: np.zeros(1)[2])
+    worker.start()
+    assert fused.result(60) == 1
+    with pytest.raises(IndexError):
+        failed.result(60)
+    assert worker.call(lambda: "alive").result(60) == "alive"
+
+
+def test_an_image_without_partners_is_settled_when_messages_stop():
+    refused = threading.Event()
+    assembler = FrameAssembler(
+        CaptureSettings(), on_refusal=lambda refusal, is_first: refused.set()
+    )
+    worker = FusionWorker(
+        assembler, Scanner(ReflestSettings()), lambda _: None, crash_is_failure,
+        queue_size=8, settle_after=0.05,
+    )  # fmt: skip
+    first, second = views(2)
+    offer(worker, first)
+    worker.offer(Role.RGB, core_messages.image_message(rgb_message(second)))
+    worker.start()
+    assert refused.wait(60)
+    assert worker.call(lambda: worker.counts.fused).result(60) == 1
+    worker.stop()
+    assert assembler.refusals.counts.total() == 1
+
+
+def test_a_job_that_waits_when_the_worker_stops_is_answered():
+    settings = ReflestSettings()
+    worker = FusionWorker(
+        FrameAssembler(CaptureSettings()), Scanner(settings), lambda _: None, crash_is_failure,
+        queue_size=8, settle_after=0.05,
+    )  # fmt: skip
+    blocked, release = threading.Event(), threading.Event()
+
+    def block():
+        blocked.set()
+        release.wait(60)
+
+    worker.start()
+    worker.call(block)
+    assert blocked.wait(60)
+    stopping = threading.Thread(target=worker.stop)
+    stopping.start()
+    waiting = worker.call(lambda: "too late")
+    release.set()
+    stopping.join(60)
+    with pytest.raises(ReflestError, match="shutting down"):
+        waiting.result(60)
+
+
+class Published:
+    """Collects what an EstimationWorker publishes."""
+
+    def __init__(self):
+        self.estimates = []
+        self.failures = []
+        self.crashes = []
+        self.crashed = threading.Event()
+
+    def publish(self, estimate, arrival):
+        self.estimates.append((estimate, arrival))
+        return estimate
+
+    def crash(self, error):
+        self.crashes.append(error)
+        self.crashed.set()
+
+
+def keyframe(number):
+    return Keyframe(KeyframeSnapshot(number, "", None), float(number))
+
+
+@pytest.fixture
+def estimating():
+    published = Published()
+    workers = []
+
+    def start(estimate, *offered):
+        worker = EstimationWorker(
+            estimate, published.publish, published.failures.append, published.crash
+        )
+        for number in offered:
+            worker.offer(keyframe(number))
+        worker.start()
+        workers.append(worker)
+        return worker, published
+
+    yield start
+    for worker in workers:
+        worker.stop()
+
+
+def test_the_newest_keyframe_takes_the_place_of_those_that_wait(estimating):
+    worker, published = estimating(lambda snapshot: (ESTIMATE, snapshot.stamp_ns), 1, 2, 3)
+    worker.request(keyframe(9)).result(60)
+    worker.request(keyframe(10)).result(60)
+    worker.stop()
+    stamps = {estimate[1] for estimate, _ in published.estimates}
+    assert stamps == {3, 9, 10}
+    assert worker.skipped == 2
+
+
+def test_what_was_scanned_before_a_reset_is_not_published_after_it(estimating):
+    begun, release = threading.Event(), threading.Event()
+
+    def estimate(snapshot):
+        begun.set()
+        release.wait(60)
+        return ESTIMATE
+
+    worker, published = estimating(estimate, 1)
+    assert begun.wait(60)
+    worker.offer(keyframe(2))
+    worker.forget()
+    release.set()
+    worker.request(keyframe(3)).result(60)
+    assert [arrival for _, arrival in published.estimates] == [3.0]
+
+
+def test_no_estimate_is_a_failure_at_a_keyframe_and_an_answer_to_a_request(estimating):
+    def estimate(snapshot):
+        raise NoEstimate("nothing was seen")
+
+    worker, published = estimating(estimate, 1)
+    with pytest.raises(NoEstimate, match="nothing was seen"):
+        worker.request(keyframe(2)).result(60)
+    worker.stop()
+    assert len(published.failures) <= 1
+    assert published.estimates == []
+    assert not published.crashes
+
+
+def test_a_crash_is_handed_on(estimating):
+    def estimate(snapshot):
+        raise ZeroDivisionError
+
+    _, published = estimating(estimate, 1)
+    assert published.crashed.wait(60)
+    assert isinstance(published.crashes[0], ZeroDivisionError)
