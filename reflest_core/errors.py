@@ -2,4 +2,4 @@
 
 
 class ReflestError(Exception):
-    """Says in one sentence what was wrong and what to turn; the CLI prints it without a traceback."""
+    """Says in one sentence what was wrong and what to turn; no traceback is shown for it."""

@@ -1,7 +1,7 @@
 """Tunable parameters as data: default, meaning, unit and range in one place.
 
-A stage describes its tuning as a frozen dataclass of :func:`parameter` fields. The node declares its
-ROS parameters from it, the CLI reads YAML into it, and the reference in docs/ is printed from it.
+A stage describes its tuning as a frozen dataclass of :func:`parameter` fields. The node declares
+its ROS parameters from it, the CLI reads YAML into it, config/estimator.yaml is printed from it.
 """
 
 from __future__ import annotations

@@ -19,7 +19,9 @@ def sphere_surface(voxels=300, views=40, seed=0, colour=None):
     if colour is None:
         colours = rng.integers(0, 256, (len(owner), 3))
     else:
-        colours = np.stack([colour(towards[v, w], normals[v]) for v, w in zip(owner, view)])
+        colours = np.stack(
+            [colour(towards[v, w], normals[v]) for v, w in zip(owner, view, strict=True)]
+        )
     return ObservedSurface(
         positions=(0.15 * normals).astype(np.float32),
         normals=normals.astype(np.float32),
