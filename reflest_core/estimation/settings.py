@@ -19,7 +19,7 @@ from reflest_core.parameter import ParameterError, check_parameters, parameter
 class EstimationSettings:
     """Which network looks at the scan, and when there is too little to look at."""
 
-    model: str = parameter("hemicnn", "The network that estimates.", choices=tuple(MODELS))
+    model: str = parameter("grouplet-slow", "The network that estimates.", choices=tuple(MODELS))
     weights: str = parameter("", "Weight file to use in place of the shipped one.")
     min_voxels: int = parameter(
         10, "With fewer observed voxels there is no estimate.", minimum=1, maximum=1000

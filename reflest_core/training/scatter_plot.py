@@ -12,17 +12,21 @@ CHANNEL_COLOURS = ("#c23b3b", "#3b8f3b", "#3b5fc2")
 
 
 def draw_scatter(path: Path, evaluations: list[Evaluation]) -> None:
-    """Draw the first network of each split; the diagonal is a perfect estimate."""
+    """Draw the network that is best on the last split; the diagonal is a perfect estimate.
+
+    The first evaluation of each split is guessing the mean.
+    """
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
         raise TrainingError("the plot needs matplotlib: pip install matplotlib") from error
     splits = list(dict.fromkeys(evaluation.split for evaluation in evaluations))
+    last = [evaluation for evaluation in evaluations if evaluation.split == splits[-1]]
+    best = min(last[1:], key=lambda evaluation: evaluation.ward.overall).model
     figure = Figure(figsize=(11, 3.6 * len(splits)), layout="constrained")
     axes = figure.subplots(len(splits), len(PANELS), squeeze=False)
     for row, split in enumerate(splits):
-        # The first of a split is guessing the mean.
-        shown = [evaluation for evaluation in evaluations if evaluation.split == split][1]
+        shown = next(e for e in evaluations if (e.split, e.model) == (split, best))
         for column, (name, indices) in enumerate(PANELS):
             panel = axes[row, column]
             top = float(shown.truths[:, indices].max())

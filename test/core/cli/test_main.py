@@ -25,7 +25,7 @@ def test_two_runs_write_the_same_bytes(weights, bag, tmp_path):
         assert "final" in done.stdout
         outputs.append((tmp_path / name).read_bytes())
     assert outputs[0] == outputs[1]
-    assert json.loads(outputs[0])["model"] == "hemicnn"
+    assert json.loads(outputs[0])["model"] == "grouplet-slow"
 
 
 def test_what_does_not_exist_ends_with_one_line():
