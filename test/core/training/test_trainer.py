@@ -31,7 +31,7 @@ def train(folder, **changes):
 @pytest.mark.parametrize("loss", ["rmse1", "rmse2", "cuberoot"])
 def test_every_loss_learns_what_is_plain_to_see(tmp_path, loss):
     run = Trainer(
-        recipe(loss=loss, minibatches=150, learning_rate=4e-3, colour_constancy=0.001),
+        recipe(loss=loss, minibatches=400, learning_rate=2e-3, colour_constancy=0.001),
         TRAINING, VALIDATION, tmp_path, {},
     )  # fmt: skip
     path = run.run()
