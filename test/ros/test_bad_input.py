@@ -124,7 +124,7 @@ def test_float_metres_and_integer_millimetres_agree(node, peer, next_view):
         assert peer.call(Trigger, "reset").success
         for view in known:
             millimetres = np.round(view.depth * 1000).astype(np.uint16)
-            exact = millimetres.astype(np.float32) * np.float32(0.001)
+            exact = (millimetres.astype(np.float64) * 0.001).astype(np.float32)
             same = dataclasses.replace(view, depth=exact)
             before = peer.count("frames fused")
             send(peer, same, depth=depth_message(same, encoding))
