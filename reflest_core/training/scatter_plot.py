@@ -24,6 +24,7 @@ def draw_scatter(path: Path, evaluations: list[Evaluation]) -> None:
     last = [evaluation for evaluation in evaluations if evaluation.split == splits[-1]]
     best = min(last[1:], key=lambda evaluation: evaluation.ward.overall).model
     figure = Figure(figsize=(11, 3.6 * len(splits)), layout="constrained")
+    figure.suptitle(best)
     axes = figure.subplots(len(splits), len(PANELS), squeeze=False)
     for row, split in enumerate(splits):
         shown = next(e for e in evaluations if (e.split, e.model) == (split, best))
@@ -36,5 +37,5 @@ def draw_scatter(path: Path, evaluations: list[Evaluation]) -> None:
                 panel.scatter(
                     shown.truths[:, index], shown.estimates[:, index], s=7, color=colour, alpha=0.6
                 )
-            panel.set(xlabel=f"true {name}", ylabel="estimated", title=f"{shown.model}, {split}")
+            panel.set(xlabel="truth", ylabel="estimate", title=f"{name}, {split}")
     figure.savefig(path, dpi=90)
