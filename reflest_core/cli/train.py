@@ -21,6 +21,7 @@ def add_parser(subparsers: Any) -> None:
     )
     parser.add_argument("--minibatches", type=int, help="default: the paper's")
     parser.add_argument("--batch-size", type=int)
+    parser.add_argument("--learning-rate", type=float, help="default: the paper's")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, help="CPU threads; default: all")
     parser.add_argument("--out", type=Path, required=True, help="folder for weights and log")
@@ -42,6 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
         "colour_constancy": arguments.colour_constancy,
         "minibatches": arguments.minibatches,
         "batch_size": arguments.batch_size,
+        "learning_rate": arguments.learning_rate,
         "seed": arguments.seed,
     }
     changes = {name: value for name, value in given.items() if value is not None}
