@@ -19,6 +19,7 @@ from reflest_core.synbrdf.environments import EnvironmentSource, find_environmen
 from reflest_core.synbrdf.scene import draw_scene
 from reflest_core.synbrdf.scene_file import FORMAT, MANIFEST, SceneFileError, save_shard, sha256
 from reflest_core.synbrdf.shapes.mesh_file import MeshSource, find_meshes
+from reflest_core.synbrdf.source_fingerprint import source_fingerprint
 from reflest_core.synbrdf.splits import Sources, Split, sources_of
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 SHARD_SCENES = 20
 SKIES = 24
 """Procedural environments, where no folder of environments is given."""
+PACKAGES = ("mitsuba", "drjit", "karellen-llvm-core", "numpy", "scipy", "scikit-image")
+"""Libraries whose versions may change the bytes."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,8 @@ class Generation:
             "samples": self.samples,
             "environments": [source.name for source in self._environments()],
             "meshes": [source.name for source in self._meshes()],
-            "versions": {name: version(name) for name in ("mitsuba", "drjit", "numpy")},
+            "versions": {name: version(name) for name in PACKAGES},
+            "code": source_fingerprint(),
         }
 
 

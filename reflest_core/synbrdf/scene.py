@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.synbrdf.environments import load_environment, rotated
 from reflest_core.synbrdf.materials import draw_material
+from reflest_core.synbrdf.seeding import Purpose, generator
 from reflest_core.synbrdf.shapes.mesh import TriangleMesh
 from reflest_core.synbrdf.shapes.mesh_file import load_mesh
 from reflest_core.synbrdf.shapes.procedural import DIAMETERS, draw_procedural, draw_rotation
@@ -50,7 +51,7 @@ class Scene:
 
 def draw_scene(seed: int, split: Split, index: int, sources: Sources, views: int) -> Scene:
     """Scene ``index`` of ``split``; the same arguments give the same scene."""
-    rng = np.random.default_rng(np.random.SeedSequence([seed, split.number, index]))
+    rng = generator(seed, split, index, Purpose.DRAW)
     material = draw_material(rng)
     mesh, shape = _draw_shape(rng, sources)
     light = _draw_light(rng, sources, vary=split is Split.TRAIN)

@@ -18,8 +18,9 @@ from safetensors.numpy import save
 from reflest_core.brdf.parameters import WardParameters, WardVariant
 from reflest_core.errors import ReflestError
 from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.synbrdf.thumbnails import Thumbnails
 
-FORMAT = "synbrdf-sparse-1"
+FORMAT = "synbrdf-sparse-2"
 MANIFEST = "manifest.json"
 
 
@@ -45,6 +46,7 @@ class SynbrdfScene:
     view_pattern: str
     exposure: float
     radiance: NDArray[np.float16]
+    thumbnails: Thumbnails
 
 
 def save_shard(path: Path, scenes: list[SynbrdfScene]) -> None:
@@ -54,7 +56,11 @@ def save_shard(path: Path, scenes: list[SynbrdfScene]) -> None:
     for number, scene in enumerate(scenes):
         for field in fields(ObservedSurface):
             arrays[f"{number:03d}/{field.name}"] = getattr(scene.surface, field.name)
+        thumbnails = scene.thumbnails
         arrays[f"{number:03d}/radiance"] = scene.radiance
+        arrays[f"{number:03d}/rgbe"] = thumbnails.rgbe
+        arrays[f"{number:03d}/is_object"] = np.packbits(thumbnails.is_object, axis=-1)
+        arrays[f"{number:03d}/T_world_camera"] = thumbnails.T_world_camera
         cards.append(_card(scene))
     metadata = {"format": FORMAT, "scenes": json.dumps(cards, sort_keys=True)}
     temporary = path.with_suffix(".partial")
@@ -103,7 +109,7 @@ def _card(scene: SynbrdfScene) -> dict[str, Any]:
     card = {
         field.name: getattr(scene, field.name)
         for field in fields(scene)
-        if field.name not in ("surface", "truth", "radiance")
+        if field.name not in ("surface", "truth", "radiance", "thumbnails")
     }
     ward = {"rho_d": truth.rho_d, "rho_s": truth.rho_s, "alpha": truth.alpha}
     return {**card, "truth": {**ward, "variant": truth.variant.value}}
@@ -119,5 +125,15 @@ def _scene(file: Any, number: int, card: dict[str, Any]) -> SynbrdfScene:
     ward = WardParameters(
         (red, green, blue), truth["rho_s"], truth["alpha"], WardVariant(truth["variant"])
     )
-    radiance = file.get_tensor(f"{number:03d}/radiance")
-    return SynbrdfScene(surface=ObservedSurface(**arrays), truth=ward, radiance=radiance, **card)
+    images, object_bits, poses, radiance = (
+        file.get_tensor(f"{number:03d}/{name}")
+        for name in ("rgbe", "is_object", "T_world_camera", "radiance")
+    )
+    is_object = np.unpackbits(object_bits, axis=-1, count=images.shape[2]).astype(np.bool_)
+    return SynbrdfScene(
+        surface=ObservedSurface(**arrays),
+        truth=ward,
+        radiance=radiance,
+        thumbnails=Thumbnails(images, is_object, poses),
+        **card,
+    )

@@ -26,7 +26,8 @@ from reflest_core.synbrdf.sequence_scene import (
     draw_sequence_scene,
 )
 from reflest_core.synbrdf.sequence_truth import write_truth
-from reflest_core.synbrdf.sparse_scene import THUMBNAIL, camera_rays
+from reflest_core.synbrdf.sparse_scene import camera_rays
+from reflest_core.synbrdf.thumbnails import THUMBNAIL
 from reflest_core.synbrdf.ward_bsdf import ward_bsdf
 
 FOCAL_LENGTH = 525.0 / 640.0

@@ -14,17 +14,18 @@ from numpy.typing import NDArray
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.synbrdf import rgbe
 from reflest_core.synbrdf.exposure import auto_exposure, expose
 from reflest_core.synbrdf.mitsuba_scene import RadianceTracer, first_hits, mitsuba_scene
 from reflest_core.synbrdf.scene import Scene
 from reflest_core.synbrdf.scene_file import SynbrdfScene
+from reflest_core.synbrdf.seeding import Purpose, generator
 from reflest_core.synbrdf.surface_points import draw_surface_points
+from reflest_core.synbrdf.thumbnails import THUMBNAIL, Thumbnails
 from reflest_core.synbrdf.ward_bsdf import ward_bsdf
 
 MAX_GRAZING_COSINE = 0.25
 """A view further from the normal (75.5 degrees) does not see a point, as in fusion."""
-THUMBNAIL = CameraIntrinsics(48, 36, 39.4, 39.4, 23.5, 17.5)
-"""F and B are taken from images of a VGA depth camera's view, 48 x 36 pixels."""
 VISIBLE_TOLERANCE = 2e-3
 """Metres between a point and the first surface along its ray within which it is seen."""
 
@@ -50,7 +51,7 @@ class SparseRenderer:
 
     def render(self, scene: Scene, seed: int) -> SynbrdfScene:
         """Trace every visible pair of point and view; the same seed gives the same scene."""
-        rng = np.random.default_rng(np.random.SeedSequence([seed, scene.split.number, scene.index]))
+        rng = generator(seed, scene.split, scene.index, Purpose.TRACE)
         trace_seed = int(rng.integers(2**31))
         self.bsdf.set_parameters(scene.material)
         rendered = mitsuba_scene(scene.mesh, self.bsdf, scene.light.radiance)
@@ -63,6 +64,7 @@ class SparseRenderer:
         exposure = auto_exposure(thumbnails)
         foreground, background = mean_colours(expose(thumbnails, exposure), is_foreground)
         counts = np.bincount(point_of, minlength=len(positions))
+        image_shape = (len(centres), THUMBNAIL.height, THUMBNAIL.width, 3)
         surface = ObservedSurface(
             positions=positions,
             normals=normals,
@@ -84,6 +86,11 @@ class SparseRenderer:
             view_pattern=scene.view_pattern,
             exposure=exposure,
             radiance=radiance.astype(np.float16),
+            thumbnails=Thumbnails(
+                rgbe=rgbe.encode(thumbnails.reshape(image_shape)),
+                is_object=is_foreground.reshape(image_shape[:3]),
+                T_world_camera=scene.poses.astype(np.float32),
+            ),
         )
 
     def _thumbnails(

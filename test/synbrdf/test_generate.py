@@ -9,6 +9,7 @@ import pytest
 pytest.importorskip("mitsuba")
 
 from reflest_core.cli.main import main
+from reflest_core.synbrdf.exposure import expose
 from reflest_core.synbrdf.generate import Generation, generate, shard_tasks
 from reflest_core.synbrdf.scene_file import (
     SceneFileError,
@@ -70,6 +71,28 @@ def test_scenes_come_back_whole(generated):
     assert one.truth != other.truth
     unseen = next(load_scenes(generated, "unseen"))
     assert unseen.environment not in {e for s in scenes for e in s.environment.split("+")}
+
+
+def test_thumbnails_show_the_light_behind_the_object(generated):
+    """Where F and B come from: the same pixels, exposed, average to the view's B."""
+    scene = next(load_scenes(generated, "validation"))
+    thumbnails = scene.thumbnails
+    assert thumbnails.rgbe.shape == (6, 36, 48, 4)
+    assert 0.02 < thumbnails.is_object.mean() < 0.9
+    np.testing.assert_array_equal(thumbnails.T_world_camera[:, :3, 3], scene.surface.view_centres)
+    images = expose(thumbnails.radiance(), scene.exposure)
+    for view in range(6):
+        background = images[view][~thumbnails.is_object[view]].mean(axis=0)
+        np.testing.assert_allclose(background, scene.surface.view_background[view], atol=2.0)
+
+
+def test_another_code_is_not_mixed_in(generated, tmp_path):
+    folder = tmp_path / "set"
+    shutil.copytree(generated, folder)
+    manifest = json.loads((folder / "manifest.json").read_text())
+    (folder / "manifest.json").write_text(json.dumps({**manifest, "code": "other"}))
+    with pytest.raises(SceneFileError, match="another code"):
+        generate(folder, TINY, jobs=1)
 
 
 def test_the_manifest_names_every_shard_with_its_hash(generated):

@@ -1,0 +1,24 @@
+"""One independent stream of random numbers for each purpose of each scene."""
+
+from __future__ import annotations
+
+import enum
+
+import numpy as np
+
+from reflest_core.synbrdf.splits import Split
+
+
+class Purpose(enum.Enum):
+    """What a stream is for; the value is its stable number."""
+
+    DRAW = 0
+    """Material, shape, light and views."""
+    TRACE = 1
+    """Surface points and light paths."""
+
+
+def generator(seed: int, split: Split, index: int, purpose: Purpose) -> np.random.Generator:
+    """The stream for scene ``index`` of ``split`` in the data set of ``seed``."""
+    entropy = [seed, split.number, index, purpose.value]
+    return np.random.default_rng(np.random.SeedSequence(entropy))

@@ -1,0 +1,31 @@
+"""A small image of every view of a scene: what the camera saw of the object's surroundings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.capture.camera import CameraIntrinsics
+from reflest_core.synbrdf import rgbe
+
+THUMBNAIL = CameraIntrinsics(48, 36, 39.4, 39.4, 23.5, 17.5)
+"""A VGA depth camera's view in 48 x 36 pixels."""
+
+
+@dataclass(frozen=True)
+class Thumbnails:
+    """One image of each of W views, through the intrinsics :data:`THUMBNAIL`.
+
+    ``rgbe``: (W, 36, 48, 4) uint8, linear sRGB radiance. ``is_object``: (W, 36, 48) bool, where
+    the object is; elsewhere the light itself is seen. ``T_world_camera``: (W, 4, 4) float32.
+    """
+
+    rgbe: NDArray[np.uint8]
+    is_object: NDArray[np.bool_]
+    T_world_camera: NDArray[np.float32]
+
+    def radiance(self) -> NDArray[np.float32]:
+        """(W, 36, 48, 3) linear sRGB, in the unit of the scene's observations."""
+        return rgbe.decode(self.rgbe)
