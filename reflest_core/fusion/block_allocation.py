@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.jit import compiled
 from reflest_core.fusion.key_index import find_row, put_row
 from reflest_core.fusion.tsdf_blocks import TsdfBlocks
 from reflest_core.fusion.voxel_key import BLOCK_EDGE, VOXEL_LIMIT, pack_key
+from reflest_core.jit import compiled
 
 SURFACE_MARGIN = 2.0
 """Voxels around a measured point whose blocks are needed, for gradients at the zero level."""

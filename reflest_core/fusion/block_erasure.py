@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.jit import compiled
 from reflest_core.fusion.key_index import drop_key, put_row
 from reflest_core.fusion.tsdf_blocks import TsdfBlocks
 from reflest_core.fusion.voxel_key import BLOCK_EDGE, pack_key, unpack_key
+from reflest_core.jit import compiled
 
 
 @compiled

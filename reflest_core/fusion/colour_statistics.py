@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.jit import compiled, kernel_array
+from reflest_core.jit import compiled, kernel_array
 
 
 def foreground_background_means(

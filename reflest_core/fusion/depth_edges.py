@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.jit import compiled
+from reflest_core.jit import compiled
 
 
 @compiled

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.depth_edges import clear_of_edges
-from reflest_core.fusion.jit import compiled, kernel_array
 from reflest_core.fusion.region import Region, inside_region
 from reflest_core.fusion.settings import FusionSettings
 from reflest_core.fusion.slant import surface_slant
+from reflest_core.jit import compiled, kernel_array
 
 WIDEST_MARGIN = 32
 """Pixels to the sides within which ``FramePixels.free_depth`` looks at most."""

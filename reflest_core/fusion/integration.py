@@ -14,9 +14,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.jit import compiled
 from reflest_core.fusion.tsdf_blocks import TsdfBlocks
 from reflest_core.fusion.voxel_key import BLOCK_EDGE, unpack_key
+from reflest_core.jit import compiled
 
 FULL_WEIGHT = 16
 """Weight of a surface seen head-on; it falls with the squared cosine of the viewing angle, to 0

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.jit import compiled
 from reflest_core.fusion.voxel_key import NO_KEY
+from reflest_core.jit import compiled
 
 BYTES_PER_ROW = 48
 """Upper bound on the index's bytes for each row of capacity (12 bytes a slot, at most 4 slots)."""

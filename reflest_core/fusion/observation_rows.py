@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.jit import compiled
 from reflest_core.fusion.key_index import drop_key, find_row, put_row
 from reflest_core.fusion.observation_replacement import (
     closest_pair,
@@ -18,6 +17,7 @@ from reflest_core.fusion.observation_replacement import (
     slot_to_replace,
 )
 from reflest_core.fusion.voxel_key import NO_KEY
+from reflest_core.jit import compiled
 
 
 class ObservationRows(NamedTuple):

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.jit import compiled, kernel_array
 from reflest_core.fusion.settings import RegionSettings
+from reflest_core.jit import compiled, kernel_array
 
 
 class RegionShape(enum.IntEnum):

@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.jit import compiled
+from reflest_core.jit import compiled
 
 
 @compiled

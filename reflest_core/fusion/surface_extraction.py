@@ -16,10 +16,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.jit import compiled
 from reflest_core.fusion.key_index import find_row
 from reflest_core.fusion.tsdf_blocks import TsdfBlocks
 from reflest_core.fusion.voxel_key import BLOCK_EDGE, NO_KEY, pack_key, unpack_key
+from reflest_core.jit import compiled
 
 ENTER = 0.5
 """A foot point within this many voxels of the sample point, along each axis, is in its cell."""

@@ -18,11 +18,11 @@ from reflest_core.fusion.block_allocation import allocate_blocks, pixel_stride
 from reflest_core.fusion.block_erasure import erase_blocks, surface_keys
 from reflest_core.fusion.foreground import FramePixels
 from reflest_core.fusion.integration import integrate_blocks
-from reflest_core.fusion.jit import kernel_array
 from reflest_core.fusion.key_index import BYTES_PER_ROW, KeyIndex, are_unique_keys
 from reflest_core.fusion.surface_extraction import extract_surface
 from reflest_core.fusion.tsdf_blocks import TsdfBlocks
 from reflest_core.fusion.voxel_key import BLOCK_EDGE
+from reflest_core.jit import kernel_array
 
 BYTES_PER_BLOCK = BLOCK_EDGE**3 * (4 + 2 + 1) + 8 + 8 + BYTES_PER_ROW
 

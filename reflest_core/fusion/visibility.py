@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.depth_edges import depth_tolerance
 from reflest_core.fusion.foreground import FramePixels
-from reflest_core.fusion.jit import compiled, kernel_array
 from reflest_core.fusion.settings import FusionSettings
+from reflest_core.jit import compiled, kernel_array
 
 
 def visible_voxels(

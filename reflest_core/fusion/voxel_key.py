@@ -7,7 +7,7 @@ Open3D's VoxelBlockGrid) and its cell is the cube of that size around the sample
 
 from __future__ import annotations
 
-from reflest_core.fusion.jit import compiled
+from reflest_core.jit import compiled
 
 BLOCK_EDGE = 8
 """Voxels along a block's edge."""

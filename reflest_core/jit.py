@@ -1,4 +1,4 @@
-"""How fusion's inner loops are compiled.
+"""How inner loops are compiled.
 
 The kernels run without the global interpreter lock, so that the estimator's thread goes on beside
 them, and on one thread, so that every result has one order of evaluation and is bit-identical from
