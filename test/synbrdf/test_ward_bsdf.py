@@ -89,8 +89,8 @@ def test_takes_another_material_of_its_variant_only():
 def test_samples_follow_the_density(rho_s, alpha, degrees, variant):
     angle = np.deg2rad(degrees)
     sample, density = mi.chi2.BSDFAdapter(
-        "ward",
-        {"type": "ward", "rho_s": rho_s, "alpha": alpha, "variant": variant.value},
+        "reflest_ward",
+        {"type": "reflest_ward", "rho_s": rho_s, "alpha": alpha, "variant": variant.value},
         wi=[float(np.sin(angle)), 0.0, float(np.cos(angle))],
     )
     chi2 = mi.chi2.ChiSquareTest(
