@@ -34,17 +34,25 @@ class RecordedFrame:
     pose: NDArray[np.float64]
 
 
-def write_bag(path: Path, camera: CameraIntrinsics, frames: Iterable[RecordedFrame]) -> None:
+def write_bag(
+    path: Path,
+    camera: CameraIntrinsics,
+    frames: Iterable[RecordedFrame],
+    is_compressed: bool = True,
+) -> None:
     """Write the folder ``path``, which must not exist; the four messages of a frame share a stamp.
 
     ``rgb8``, ``16UC1`` in millimetres, a pinhole ``CameraInfo`` and the pose of the camera's
-    optical frame in ``map``. Equal frames give equal bytes.
+    optical frame in ``map``. Equal frames give equal bytes. Compression makes a bag small and slow
+    to write; one that is played on the spot does without.
     """
     store = get_typestore(Stores.ROS2_JAZZY)
     writer = Writer(path, version=9, storage_plugin=StoragePlugin.MCAP)
-    writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+    if is_compressed:
+        writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
     with writer:
-        _compress_hard(writer)
+        if is_compressed:
+            _compress_hard(writer)
         topics = {
             topic: writer.add_connection(topic, name, typestore=store)
             for topic, name in TOPIC_TYPES.items()

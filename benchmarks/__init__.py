@@ -1,0 +1,1 @@
+"""How fast reflest is and what it costs: ``python -m benchmarks`` measures and writes the page."""
