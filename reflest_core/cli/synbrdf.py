@@ -36,6 +36,12 @@ def _add_generate(products: Any) -> None:
         "--environments", type=Path, help=".hdr, .exr or .npz files; default: procedural skies"
     )
     parser.add_argument("--meshes", type=Path, help=".obj, .ply or .npz; default: procedural only")
+    parser.add_argument(
+        "--lighting", choices=("natural", "diverse"), default="natural", help="of training scenes"
+    )
+    parser.add_argument(
+        "--without", nargs="*", default=[], metavar="NAME", help="environments to leave out"
+    )
     parser.add_argument("--jobs", type=int, default=1, help="processes, each with all cores")
     parser.set_defaults(run=run_generate)
 
@@ -91,6 +97,7 @@ def run_sequence(arguments: argparse.Namespace) -> int:
 def run_generate(arguments: argparse.Namespace) -> int:
     """Generate until every shard is there."""
     from reflest_core.synbrdf.generate import Generation, generate
+    from reflest_core.synbrdf.scene import Lighting
 
     scenes = {split: getattr(arguments, split) for split in ("train", "validation", "unseen")}
     generation = Generation(
@@ -101,6 +108,8 @@ def run_generate(arguments: argparse.Namespace) -> int:
         arguments.samples,
         arguments.environments,
         arguments.meshes,
+        Lighting(arguments.lighting),
+        tuple(arguments.without),
     )
     generate(arguments.out, generation, arguments.jobs)
     return 0

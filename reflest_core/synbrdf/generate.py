@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import multiprocessing
 import os
@@ -16,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from reflest_core.synbrdf.environments import EnvironmentSource, find_environments, procedural_skies
-from reflest_core.synbrdf.scene import draw_scene
+from reflest_core.synbrdf.scene import Lighting, draw_scene
 from reflest_core.synbrdf.scene_file import FORMAT, MANIFEST, SceneFileError, save_shard, sha256
 from reflest_core.synbrdf.shapes.mesh_file import MeshSource, find_meshes
 from reflest_core.synbrdf.source_fingerprint import source_fingerprint
@@ -43,10 +44,15 @@ class Generation:
     samples: int = 64
     environments: Path | None = None
     meshes: Path | None = None
+    lighting: Lighting = Lighting.NATURAL
+    without: tuple[str, ...] = ()
+    """Environments that neither train nor validation uses, kept to develop on."""
 
     def sources(self, split: Split) -> Sources:
         """The environments and meshes of one split."""
-        return sources_of(split, self._environments(), self._meshes(), self.seed)
+        sources = sources_of(split, self._environments(), self._meshes(), self.seed)
+        kept = [source for source in sources.environments if source.name not in self.without]
+        return dataclasses.replace(sources, environments=kept)
 
     def _environments(self) -> list[EnvironmentSource]:
         if self.environments is None:
@@ -65,6 +71,8 @@ class Generation:
             "points": self.points,
             "views": self.views,
             "samples": self.samples,
+            "lighting": self.lighting.value,
+            "without": sorted(self.without),
             "environments": [source.name for source in self._environments()],
             "meshes": [source.name for source in self._meshes()],
             "versions": {name: version(name) for name in PACKAGES},
@@ -126,7 +134,9 @@ def write_shard(folder: Path, generation: Generation, task: ShardTask) -> None:
     sources = generation.sources(task.split)
     scenes = [
         renderer.render(
-            draw_scene(generation.seed, task.split, index, sources, generation.views),
+            draw_scene(
+                generation.seed, task.split, index, sources, generation.views, generation.lighting
+            ),
             generation.seed,
         )
         for index in range(task.first, task.last)

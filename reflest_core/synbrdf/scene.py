@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import enum
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.synbrdf.environments import load_environment, rotated
+from reflest_core.synbrdf.light_diversity import draw_diverse_light
 from reflest_core.synbrdf.materials import draw_material
 from reflest_core.synbrdf.seeding import Purpose, generator
 from reflest_core.synbrdf.shapes.mesh import TriangleMesh
@@ -49,12 +51,34 @@ class Scene:
     view_pattern: str
 
 
-def draw_scene(seed: int, split: Split, index: int, sources: Sources, views: int) -> Scene:
+class Lighting(enum.Enum):
+    """Where training scenes take their light from; validation and unseen stay natural."""
+
+    NATURAL = "natural"
+    """An environment or a blend of two, slightly tinted."""
+    DIVERSE = "diverse"
+    """As :mod:`.light_diversity` draws it: mixtures, rooms, skies, lamps."""
+
+
+def draw_scene(
+    seed: int,
+    split: Split,
+    index: int,
+    sources: Sources,
+    views: int,
+    lighting: Lighting = Lighting.NATURAL,
+) -> Scene:
     """Scene ``index`` of ``split``; the same arguments give the same scene."""
-    rng = generator(seed, split, index, Purpose.DRAW)
+    is_diverse = lighting is Lighting.DIVERSE and split is Split.TRAIN
+    purpose = Purpose.DRAW_DIVERSE if is_diverse else Purpose.DRAW
+    rng = generator(seed, split, index, purpose)
     material = draw_material(rng)
     mesh, shape = _draw_shape(rng, sources)
-    light = _draw_light(rng, sources, vary=split is Split.TRAIN)
+    if is_diverse:
+        maps = [load_environment(source) for source in sources.environments]
+        light = Light("diverse", 0.0, draw_diverse_light(rng, maps))
+    else:
+        light = _draw_light(rng, sources, vary=split is Split.TRAIN)
     poses, pattern = draw_views(rng, views, mesh.diameter)
     return Scene(split, index, material, shape, mesh, light, poses, pattern.value)
 

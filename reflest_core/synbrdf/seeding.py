@@ -14,6 +14,8 @@ class Purpose(enum.Enum):
 
     DRAW = 0
     """Material, shape, light and views."""
+    DRAW_DIVERSE = 2
+    """The same of training scenes under diverse light, so that they are other scenes."""
     TRACE = 1
     """Surface points and light paths."""
 
