@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import queue
+import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
@@ -86,8 +87,8 @@ class FusionWorker:
         self._queue: queue.SimpleQueue[_Arrived | _Job | None] = queue.SimpleQueue()
         self._arrivals: dict[int, float] = {}
         self._reported_drops = 0
-        self._last_frame_id = ""
         self._is_stopping = False
+        self._stop_lock = threading.Lock()
         self._thread = worker_thread("fusion", self._run, on_crash)
 
     @property
@@ -101,13 +102,14 @@ class FusionWorker:
 
     def stop(self) -> None:
         """End the thread after the frame in hand; what waits is dropped."""
-        self._is_stopping = True
+        with self._stop_lock:
+            self._is_stopping = True
         self._queue.put(None)
         self._thread.join()
         while not self._queue.empty():
             item = self._queue.get()
             if isinstance(item, _Job):
-                item.future.set_exception(ReflestError("the estimator is shutting down"))
+                item.future.set_exception(_shutting_down())
 
     def offer(self, role: Role, message: SensorMessage) -> None:
         """Queue a message, or count it as dropped where the queue is full."""
@@ -117,31 +119,54 @@ class FusionWorker:
         else:
             self._queue.put(_Arrived(role, message, time.monotonic()))
 
+    def refuse(self, refusal: FrameRefused) -> None:
+        """Count what could not even become a message, in its turn."""
+        self.call(lambda: self._assembler.refuse(refusal))
+
     def call(self, work: Callable[[], T]) -> Future[T]:
         """Run ``work`` in this thread after all that was queued before it."""
         future: Future[T] = Future()
-        self._queue.put(_Job(work, future))
+        with self._stop_lock:
+            if self._is_stopping:
+                future.set_exception(_shutting_down())
+            else:
+                self._queue.put(_Job(work, future))
         return future
 
     def snapshot(self) -> KeyframeSnapshot:
         """Settle what waits and copy the scan; to be run through :meth:`call`."""
+        self.settle()
+        return self._scanner.snapshot()
+
+    def settle(self) -> None:
+        """Fuse what still waits for later messages; to be run through :meth:`call`."""
         self._fuse(self._assembler.flush())
-        stamp_ns = self._scanner.scan.last_stamp_ns or 0
-        return self._scanner.snapshot(stamp_ns, self._last_frame_id)
 
     def reset(self) -> None:
         """Forget the scan and the waiting messages; to be run through :meth:`call`."""
-        self._assembler.reset()
+        self.forget_messages()
         self._scanner.reset()
-        self._arrivals.clear()
         self.count_store()
+
+    def forget_messages(self) -> None:
+        """Forget the waiting messages and how far time had come; to be run through :meth:`call`."""
+        self._assembler.reset()
+        self._arrivals.clear()
+
+    def count_store(self) -> None:
+        """Bring the store's counts up to date; to be run through :meth:`call`."""
+        scan = self._scanner.scan
+        self.counts.voxels = scan.voxel_count
+        self.counts.observations = scan.observation_count
+        self.counts.views = scan.view_count
+        self.counts.nbytes = scan.nbytes
 
     def _run(self) -> None:
         while not self._is_stopping:
             try:
                 item = self._queue.get(timeout=self._settle_after)
             except queue.Empty:
-                self._fuse(self._assembler.flush())
+                self.settle()
                 item = self._queue.get()
             if isinstance(item, _Job):
                 item.run()
@@ -164,20 +189,11 @@ class FusionWorker:
             except FrameRefused as refusal:
                 self._assembler.refuse(refusal)
                 continue
-            self._last_frame_id = frame.frame_id
             self.counts.fused += 1
             self.count_store()
             if scanned.keyframe is not None:
                 self.counts.keyframes += 1
                 self._on_keyframe(Keyframe(scanned.keyframe, arrival))
-
-    def count_store(self) -> None:
-        """Bring the store's counts up to date; to be run in this thread."""
-        scan = self._scanner.scan
-        self.counts.voxels = scan.voxel_count
-        self.counts.observations = scan.observation_count
-        self.counts.views = scan.view_count
-        self.counts.nbytes = scan.nbytes
 
     def _report_drops(self) -> None:
         while self._reported_drops < self.counts.dropped:
@@ -190,3 +206,7 @@ class FusionWorker:
                     "raise input.queue_size",
                 )
             )
+
+
+def _shutting_down() -> ReflestError:
+    return ReflestError("the estimator is shutting down")

@@ -125,6 +125,7 @@ class FrameAssembler:
             intrinsics=camera.intrinsics,
             mask=mask,
             frame_id=match.rgb.frame_id,
+            world_frame_id=match.pose_before.frame_id,
         )
 
     def _camera(self, info: CameraInfoMessage) -> tuple[CalibratedCamera, Rectifier | None]:

@@ -17,7 +17,8 @@ class Frame:
     ``rgb``: (H, W, 3) uint8, 8-bit sRGB. ``depth``: (H, W) float32, Z along the optical axis in
     metres, registered to ``rgb``; 0 where unknown. ``T_world_camera``: (4, 4) float64, camera
     optical frame (z forward, x right, y down) to world. ``mask``: (H, W) bool, True on the scanned
-    object, or None where nobody published one.
+    object, or None where nobody published one. ``frame_id``, ``world_frame_id``: names of the
+    camera's and of the world frame, "" where unknown.
     """
 
     stamp_ns: int
@@ -27,6 +28,7 @@ class Frame:
     intrinsics: CameraIntrinsics
     mask: NDArray[np.bool_] | None = None
     frame_id: str = ""
+    world_frame_id: str = ""
 
     @property
     def camera_centre(self) -> NDArray[np.float64]:

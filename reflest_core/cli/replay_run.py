@@ -82,7 +82,7 @@ def _conclude(capture: Capture, scanner: Scanner, result: ReplayResult) -> None:
         result.no_final = reasons or "it holds no colour image"
         return
     try:
-        result.final = scanner.estimate(scanner.snapshot(frame.stamp_ns, frame.frame_id))
+        result.final = scanner.estimate(scanner.snapshot())
     except NoEstimate as reason:
         result.no_final = str(reason)
 

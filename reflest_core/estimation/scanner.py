@@ -8,6 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from reflest_core.capture.frame import Frame
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.estimator import Estimator
@@ -20,11 +23,17 @@ from reflest_core.fusion.scan import Scan
 
 @dataclass(frozen=True)
 class KeyframeSnapshot:
-    """The surface as it stood when the keyframe was fused."""
+    """The surface as it stood when the keyframe was fused.
+
+    ``T_world_camera``: (4, 4) float64, the keyframe's pose; None where no frame was fused yet, as
+    after a load. ``frame_id``, ``world_frame_id``: names of the camera's and of the world frame.
+    """
 
     stamp_ns: int
     frame_id: str
     surface: ObservedSurface
+    world_frame_id: str = ""
+    T_world_camera: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -47,32 +56,48 @@ class Scanner:
         self.estimator = Estimator(settings.estimation)
         self.scan = Scan(settings.fusion, settings.region)
         self.keyframes = KeyframePolicy(settings.keyframe)
+        self._last_pose: NDArray[np.float64] | None = None
 
     def fuse(self, frame: Frame) -> ScannedFrame:
         """Fuse one frame; raises :class:`FrameRefused` and leaves the scan as it was."""
         fused = self.scan.fuse(frame)
+        self._last_pose = frame.T_world_camera
         if not self.keyframes.is_keyframe(frame.stamp_ns, frame.T_world_camera):
             return ScannedFrame(fused, None)
-        return ScannedFrame(fused, self.snapshot(frame.stamp_ns, frame.frame_id))
+        return ScannedFrame(fused, self.snapshot())
 
-    def snapshot(self, stamp_ns: int, frame_id: str) -> KeyframeSnapshot:
-        """A frozen copy of the scan to estimate from."""
-        return KeyframeSnapshot(stamp_ns, frame_id, self.scan.snapshot())
+    def snapshot(self) -> KeyframeSnapshot:
+        """A frozen copy of the scan to estimate from, with the last fused frame's stamp and pose."""
+        scan = self.scan
+        return KeyframeSnapshot(
+            scan.last_stamp_ns or 0, scan.frame_id, scan.snapshot(), scan.world_frame_id,
+            self._last_pose,
+        )  # fmt: skip
 
     def estimate(self, snapshot: KeyframeSnapshot) -> BrdfEstimate:
         """Estimate from a snapshot; raises :class:`NoEstimate` with the reason."""
         return self.estimator.estimate(snapshot.surface, snapshot.stamp_ns, snapshot.frame_id)
 
+    def restart_clock(self) -> None:
+        """Go on with frames of any stamp, as after a clock jump; what was scanned stays."""
+        self.scan.restart_clock()
+        self.keyframes.reset()
+
     def reset(self) -> None:
         """Forget everything that was scanned."""
         self.scan.reset()
         self.keyframes.reset()
+        self._last_pose = None
 
     def save(self, path: Path) -> None:
         """Write volume, store and views to one file."""
         self.scan.save(path)
 
     def load(self, path: Path) -> None:
-        """Go on from a file that :meth:`save` wrote; the scan stays as it was if that fails."""
+        """Go on from a file that :meth:`save` wrote; the scan stays as it was if that fails.
+
+        The frames to come may have any stamp.
+        """
         self.scan = Scan.load(path)
-        self.keyframes.reset()
+        self.restart_clock()
+        self._last_pose = None

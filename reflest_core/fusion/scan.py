@@ -36,7 +36,8 @@ class MemoryBudgetError(ReflestError):
 class Scan:
     """TSDF volume, voxel observation store and views of one scanned object.
 
-    Not thread-safe: fuse and snapshot from one thread. A snapshot is a copy, for any thread.
+    ``frame_id``, ``world_frame_id``: the camera's and the world frame's name in the last fused
+    frame. Not thread-safe: fuse and snapshot from one thread. A snapshot is a copy, for any thread.
     """
 
     def __init__(self, fusion: FusionSettings, region: RegionSettings) -> None:
@@ -59,6 +60,13 @@ class Scan:
         self.views = ViewTable(budget.views)
         self.frame_number = 0
         self.last_stamp_ns: int | None = None
+        self.frame_id = ""
+        self.world_frame_id = ""
+        self._clock_ns: int | None = None
+
+    def restart_clock(self) -> None:
+        """Take any stamp next, as after a clock jump; what was scanned stays."""
+        self._clock_ns = None
 
     def fuse(self, frame: Frame) -> FusedFrame:
         """Take a frame in.
@@ -66,15 +74,16 @@ class Scan:
         Raises :class:`FrameRefused` (``TIME_BACKWARDS``, ``DEPTH_EMPTY``, ``NO_OVERLAP``) before
         anything has changed.
         """
-        if self.last_stamp_ns is not None and frame.stamp_ns <= self.last_stamp_ns:
+        if self._clock_ns is not None and frame.stamp_ns <= self._clock_ns:
             raise FrameRefused(
                 RefusalCause.TIME_BACKWARDS,
                 f"the image stamp {frame.stamp_ns} ns is not after the last fused one "
-                f"({self.last_stamp_ns} ns): reset the scan if the clock or the bag was restarted",
+                f"({self._clock_ns} ns): reset the scan if the clock or the bag was restarted",
             )
         pixels = classify_pixels(frame, self.region, self.fusion)
         self._check_overlap(frame, pixels)
-        self.last_stamp_ns = frame.stamp_ns
+        self.last_stamp_ns = self._clock_ns = frame.stamp_ns
+        self.frame_id, self.world_frame_id = frame.frame_id, frame.world_frame_id
         self.frame_number += 1
 
         # The surface: fuse the depth, then renew what the store knows of the blocks it changed.
@@ -121,6 +130,8 @@ class Scan:
             "region": dataclasses.asdict(self.region_settings),
             "frame_number": self.frame_number,
             "last_stamp_ns": self.last_stamp_ns,
+            "frame_id": self.frame_id,
+            "world_frame_id": self.world_frame_id,
         }
         arrays = {
             f"{part}_{name}": array[: stage.count]
@@ -155,6 +166,9 @@ class Scan:
             scan.frame_number = int(header["frame_number"])
             stamp_ns = header["last_stamp_ns"]
             scan.last_stamp_ns = None if stamp_ns is None else int(stamp_ns)
+            scan.frame_id = str(header.get("frame_id", ""))
+            scan.world_frame_id = str(header.get("world_frame_id", ""))
+            scan._clock_ns = scan.last_stamp_ns
         except (KeyError, TypeError, ValueError) as error:
             raise ScanFileError(f"{path} is a damaged scan file: {error}: save it again") from None
         return scan
