@@ -7,11 +7,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from reflest_core.errors import ReflestError
-
-
-class OutputError(ReflestError):
-    """A result cannot be written where it was asked for."""
+from reflest_core.whole_file import OutputError, write_whole
 
 
 def check_writable(path: Path) -> None:
@@ -24,15 +20,10 @@ def check_writable(path: Path) -> None:
 
 
 def write_json(path: Path, record: dict[str, Any]) -> None:
-    """Write beside ``path``, then rename. NaN is not JSON: write null (None) for it.
+    """Write a record. NaN is not JSON: write null (None) for it.
 
     Raises:
         OutputError: with the system's reason.
     """
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    try:
-        partial.write_text(json.dumps(record, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        partial.replace(path)
-    except OSError as error:
-        partial.unlink(missing_ok=True)
-        raise OutputError(f"cannot write {path}: {error.strerror}") from error
+    text = json.dumps(record, indent=2, allow_nan=False) + "\n"
+    write_whole(path, text.encode("utf-8"))

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from reflest_core import __version__
 from reflest_core.errors import ReflestError
 
-COMMANDS = ("replay", "synbrdf", "train", "evaluate")
+COMMANDS = ("replay", "export", "synbrdf", "train", "evaluate")
 USER_ERROR = 2
 INTERRUPTED = 130  # as shells report SIGINT
 

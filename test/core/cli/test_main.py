@@ -42,7 +42,7 @@ def test_help_starts_without_the_heavy_libraries():
         "print('HEAVY', {'torch', 'open3d', 'cv2', 'mitsuba', 'numba'} & set(sys.modules))"
     )
     assert "HEAVY set()" in done.stdout
-    for command in ("replay", "synbrdf", "train", "evaluate"):
+    for command in ("replay", "export", "synbrdf", "train", "evaluate"):
         assert command in done.stdout
 
 

@@ -1,0 +1,1 @@
+"""An estimate as a material that other programs read: glTF, USD, Mitsuba."""
