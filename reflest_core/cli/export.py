@@ -13,7 +13,7 @@ that needs no plugin. docs/export.md tells how the values are mapped and how nea
 
 def add_parser(subparsers: Any) -> None:
     """Add the subcommand."""
-    from reflest_core.export.export_estimate import FORMATS
+    from reflest_core.export.material_file import FORMATS
 
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "export", help="write an estimate as a material (glTF, USD, Mitsuba)", epilog=EPILOG
@@ -29,7 +29,7 @@ def add_parser(subparsers: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Read the estimate, write the material."""
     from reflest_core.export.estimate_file import read_estimate
-    from reflest_core.export.export_estimate import export_estimate
+    from reflest_core.export.material_file import export_estimate
 
     export_estimate(read_estimate(options.estimate), options.format, options.out)
     print(f"wrote {options.out}")

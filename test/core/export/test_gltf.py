@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from reflest_core.export.export_estimate import export_estimate
+from reflest_core.export.material_file import export_estimate
 from reflest_core.export.sphere_mesh import sphere_mesh
 from test.core.export.estimates import GLOSSY_RED
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reflest_core.brdf.parameters import WardVariant
-from reflest_core.export.export_estimate import export_estimate
+from reflest_core.export.material_file import export_estimate
 from reflest_core.synbrdf.ward_bsdf import mi
 from test.core.export.estimates import GLOSSY_RED, glossy_red
 

@@ -3,7 +3,7 @@
 import pytest
 from pxr import Usd, UsdGeom, UsdShade
 
-from reflest_core.export.export_estimate import export_estimate
+from reflest_core.export.material_file import export_estimate
 from test.core.export.estimates import GLOSSY_RED, glossy_red
 
 

@@ -8,7 +8,7 @@ import pytest
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.export.errors import ExportError
 from reflest_core.export.estimate_file import estimate_from_record, read_estimate
-from reflest_core.export.export_estimate import FORMATS, export_estimate
+from reflest_core.export.material_file import FORMATS, export_estimate
 from reflest_core.whole_file import OutputError
 from test.core.export.estimates import GLOSSY_RED, glossy_red
 

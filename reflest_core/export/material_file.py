@@ -1,4 +1,4 @@
-"""An estimate to a material file: the one entrance to this package."""
+"""An estimate to a material file: the one entrance of this package."""
 
 from __future__ import annotations
 
