@@ -18,6 +18,8 @@ class Purpose(enum.Enum):
     """The same of training scenes under diverse light, so that they are other scenes."""
     TRACE = 1
     """Surface points and light paths."""
+    REALISM = 2
+    """Faults of a real capture."""
 
 
 def generator(seed: int, split: Split, index: int, purpose: Purpose) -> np.random.Generator:

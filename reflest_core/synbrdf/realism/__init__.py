@@ -1,0 +1,1 @@
+"""What real captures have and renders lack: drift, noise, compression, holes, jitter."""
