@@ -9,6 +9,7 @@ import numpy as np
 from reflest_core.synbrdf.splits import Split
 
 
+@enum.unique
 class Purpose(enum.Enum):
     """What a stream is for; the value is its stable number."""
 
@@ -18,7 +19,7 @@ class Purpose(enum.Enum):
     """The same of training scenes under diverse light, so that they are other scenes."""
     TRACE = 1
     """Surface points and light paths."""
-    REALISM = 2
+    REALISM = 3
     """Faults of a real capture."""
 
 
