@@ -2,16 +2,19 @@
 
 Colour is the reference. What matches a colour image is settled only when every other topic has
 come as far as its stamp, so the matches do not depend on the order in which the topics' messages
-arrive, as long as no queue overflows and the calibration does not change in mid-scan. Within a
-topic, stamps must increase.
+arrive, as long as no queue overflows, none is waited for too long and the calibration does not
+change in mid-scan. Within a topic, stamps must increase, until the clock goes back.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from typing import cast
 
+from reflest_core.capture.depth_alignment import DepthAlignment
+from reflest_core.capture.inbox import Inbox
+from reflest_core.capture.match import Match
+from reflest_core.capture.match_refusals import MatchRefusals
 from reflest_core.capture.messages import (
     AnyImage,
     CameraInfoMessage,
@@ -19,124 +22,115 @@ from reflest_core.capture.messages import (
     Role,
     SensorMessage,
 )
-from reflest_core.capture.refusal import FrameRefused, RefusalCause
+from reflest_core.capture.pose_source import PoseSource, TopicPoses, TransformPoses
+from reflest_core.capture.refusal import FrameRefused
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.capture.stamped_queue import StampedQueue
-
-MISSING = {
-    Role.DEPTH: RefusalCause.DEPTH_MISSING,
-    Role.CAMERA_INFO: RefusalCause.CAMERA_INFO_MISSING,
-    Role.POSE: RefusalCause.POSE_MISSING,
-    Role.MASK: RefusalCause.MASK_MISSING,
-}
-
-
-@dataclass(frozen=True, eq=False)
-class Match:
-    """Messages of one moment; the two poses bracket the colour image's stamp."""
-
-    rgb: AnyImage
-    depth: AnyImage
-    camera_info: CameraInfoMessage
-    pose_before: PoseMessage
-    pose_after: PoseMessage
-    mask: AnyImage | None
+from reflest_core.capture.transform_buffer import TransformBuffer
 
 
 class Matcher:
-    """Holds each topic's waiting messages and yields matches in stamp order."""
+    """Yields the matches of what waits in the inbox, in stamp order."""
 
     def __init__(
         self,
         settings: CaptureSettings,
         topics: dict[Role, str],
         refuse: Callable[[FrameRefused], None],
+        transforms: TransformBuffer,
+        alignment: DepthAlignment,
+        on_clock_jump: Callable[[str], None],
     ) -> None:
         self._settings = settings
-        self._topics = topics
         self._refuse = refuse
+        self._alignment = alignment
+        self._refusals = MatchRefusals(topics)
         self._slop_ns = round(settings.slop * 1e9)
-        self._wanted = [Role.CAMERA_INFO, Role.DEPTH, Role.POSE]
-        if settings.use_mask:
-            self._wanted.append(Role.MASK)
-        self._queues: dict[Role, StampedQueue[SensorMessage]] = {}
-        self.reset()
+        self._max_wait_ns = round(settings.max_wait * 1e9)
+        has_pose_topic = settings.pose_source != "tf"
+        self._partners = [
+            Role.DEPTH,
+            *([Role.POSE] if has_pose_topic else []),
+            *([Role.MASK] if settings.use_mask else []),
+        ]
+        self._inbox = Inbox(
+            [Role.RGB, *self._partners], topics, refuse, transforms, settings.clock_jump,
+            on_clock_jump,
+        )  # fmt: skip
+        self._poses: PoseSource = TransformPoses(transforms, settings.world_frame, topics[Role.RGB])
+        if has_pose_topic:
+            queue = cast("StampedQueue[PoseMessage]", self._inbox.queues[Role.POSE])
+            self._poses = TopicPoses(queue, topics[Role.POSE], settings.max_pose_gap)
 
     def reset(self) -> None:
-        """Forget everything that waits, and how far each topic had come."""
-        self._queues = {role: StampedQueue() for role in (Role.RGB, *self._wanted)}
+        """Forget what waits and how far each topic had come; calibrations stay."""
+        self._inbox.reset()
 
     def add(self, role: Role, message: SensorMessage) -> list[Match]:
         """Take one message; return the matches that it completes, in stamp order."""
-        queue = self._queues[role]
-        if role is Role.CAMERA_INFO and self._is_known(cast(CameraInfoMessage, message)):
-            return []
-        if queue.has_reached(message.stamp_ns):
-            self._refuse(self._backwards(role, message.stamp_ns, cast(int, queue.latest)))
-            return []
-        queue.push(message.stamp_ns, message)
-        matches = self._settle(is_closed=False)
-        is_pose = role is Role.POSE
-        size = self._settings.pose_queue_size if is_pose else self._settings.queue_size
-        if len(queue) > size:
-            queue.pop_oldest()
-            self._refuse(self._overflowed(role, size))
-        return matches
+        self._inbox.add(role, message)
+        return self._settle(is_closed=False) + self._shorten(role)
 
     def flush(self) -> list[Match]:
         """Settle what still waits with what is known; for the end of a capture."""
         return self._settle(is_closed=True)
 
-    def _is_known(self, info: CameraInfoMessage) -> bool:
-        """Whether the last calibration says the same: only changes need to be kept."""
-        queue = self._queues[Role.CAMERA_INFO]
-        if len(queue) == 0:
-            return False
-        latest = cast(CameraInfoMessage, queue.bracket(cast(int, queue.latest))[0])
-        return replace(info, stamp_ns=latest.stamp_ns) == latest
-
     def _settle(self, is_closed: bool) -> list[Match]:
-        matches = []
-        colours = self._queues[Role.RGB]
+        matches: list[Match] = []
+        colours = self._inbox.queues[Role.RGB]
         while len(colours) > 0:
             rgb = cast(AnyImage, colours.oldest)
-            if not is_closed and not self._is_settled(rgb.stamp_ns):
+            is_overdue = cast(int, colours.latest) - rgb.stamp_ns > self._max_wait_ns
+            if not is_closed and not is_overdue and not self._is_settled(rgb):
                 break
-            colours.pop_oldest()
-            try:
-                matches.append(self._match(rgb))
-            except FrameRefused as refusal:
-                self._refuse(refusal)
-            for role in self._wanted:
-                self._queues[role].forget_before(rgb.stamp_ns)
+            matches += self._match_oldest()
         return matches
 
-    def _is_settled(self, stamp_ns: int) -> bool:
+    def _is_settled(self, rgb: AnyImage) -> bool:
         # A calibration may be published once, so that any is enough.
-        return all(
-            len(self._queues[role]) > 0
-            if role is Role.CAMERA_INFO
-            else self._queues[role].has_reached(stamp_ns)
-            for role in self._wanted
+        return (
+            len(self._inbox.infos[Role.CAMERA_INFO]) > 0
+            and all(self._inbox.queues[role].has_reached(rgb.stamp_ns) for role in self._partners)
+            and self._poses.has_reached(rgb)
+            and self._is_depth_settled(rgb)
         )
 
+    def _is_depth_settled(self, rgb: AnyImage) -> bool:
+        depth = cast("AnyImage | None", self._inbox.queues[Role.DEPTH].nearest(rgb.stamp_ns))
+        if depth is None or abs(depth.stamp_ns - rgb.stamp_ns) > self._slop_ns:
+            return True
+        return self._alignment.is_settled(rgb, depth, self._depth_info(depth))
+
+    def _match_oldest(self) -> list[Match]:
+        """Match the oldest colour image, or refuse it."""
+        rgb = cast(AnyImage, self._inbox.queues[Role.RGB].pop_oldest())
+        try:
+            return [self._match(rgb)]
+        except FrameRefused as refusal:
+            self._refuse(refusal)
+            return []
+        finally:
+            self._inbox.forget_before(rgb.stamp_ns)
+
     def _match(self, rgb: AnyImage) -> Match:
-        infos = self._queues[Role.CAMERA_INFO].bracket(rgb.stamp_ns)
-        info = infos[0] if infos[0] is not None else infos[1]
+        info = self._inbox.infos[Role.CAMERA_INFO].at(rgb.stamp_ns)
         if info is None:
-            raise self._missing(Role.CAMERA_INFO, rgb, "publish it or set its topic")
+            raise self._refusals.missing(Role.CAMERA_INFO, rgb, "publish it or set its topic")
         depth = self._nearest_image(Role.DEPTH, rgb)
-        before, after = self._poses(rgb)
+        before, after = self._poses.around(rgb)
         mask = self._nearest_image(Role.MASK, rgb) if self._settings.use_mask else None
-        return Match(rgb, depth, cast(CameraInfoMessage, info), before, after, mask)
+        return Match(rgb, depth, info, self._depth_info(depth), before, after, mask)
+
+    def _depth_info(self, depth: AnyImage) -> CameraInfoMessage | None:
+        return self._inbox.infos[Role.DEPTH_INFO].at(depth.stamp_ns)
 
     def _nearest_image(self, role: Role, rgb: AnyImage) -> AnyImage:
-        image = self._queues[role].nearest(rgb.stamp_ns)
+        image = self._inbox.queues[role].nearest(rgb.stamp_ns)
         if image is None:
-            raise self._missing(role, rgb, "check that the camera publishes it")
+            raise self._refusals.missing(role, rgb, "check that the camera publishes it")
         distance_ns = abs(image.stamp_ns - rgb.stamp_ns)
         if distance_ns > self._slop_ns:
-            raise self._missing(
+            raise self._refusals.missing(
                 role,
                 rgb,
                 f"the nearest is {distance_ns / 1e6:.1f} ms away; synchronise the streams or "
@@ -144,54 +138,33 @@ class Matcher:
             )
         return cast(AnyImage, image)
 
-    def _poses(self, rgb: AnyImage) -> tuple[PoseMessage, PoseMessage]:
-        before, after = self._queues[Role.POSE].bracket(rgb.stamp_ns)
-        if before is None or after is None:
-            side = "before" if before is None else "after"
-            raise self._missing(Role.POSE, rgb, f"there is none {side} it to interpolate from")
-        gap = (after.stamp_ns - before.stamp_ns) / 1e9
-        if gap > self._settings.max_pose_gap:
-            raise self._missing(
-                Role.POSE,
-                rgb,
-                f"the poses around it are {gap:.3f} s apart; publish them faster or raise "
-                f"capture.max_pose_gap ({self._settings.max_pose_gap:g} s)",
-            )
-        return cast(PoseMessage, before), cast(PoseMessage, after)
+    def _shorten(self, role: Role) -> list[Match]:
+        """Drop the oldest message of a queue that is too long, and say what it waits for."""
+        if role in (Role.TF, Role.TF_STATIC):
+            return []
+        is_pose = role is Role.POSE
+        size = self._settings.pose_queue_size if is_pose else self._settings.queue_size
+        waiting = self._inbox.waiting(role)
+        if len(waiting) <= size:
+            return []
+        refusal = self._overflowed(role, size)
+        if refusal is None:
+            return self._match_oldest()
+        waiting.pop_oldest()
+        self._refuse(refusal)
+        return []
 
-    def _missing(self, role: Role, rgb: AnyImage, why: str) -> FrameRefused:
-        return FrameRefused(
-            MISSING[role],
-            f"no message on {self._topics[role]} ({role.value}) matches the colour image at "
-            f"{rgb.stamp_ns / 1e9:.3f} s: {why}",
-        )
-
-    def _backwards(self, role: Role, stamp_ns: int, latest_ns: int) -> FrameRefused:
-        return FrameRefused(
-            RefusalCause.TIME_BACKWARDS,
-            f"{self._topics[role]} at {stamp_ns / 1e9:.3f} s does not come after "
-            f"{latest_ns / 1e9:.3f} s: restart the scan (reset) after a clock jump, and see that "
-            "one publisher alone writes the topic",
-        )
-
-    def _overflowed(self, role: Role, size: int) -> FrameRefused:
-        """Say what a full queue waits for: the first partner that has not come as far."""
-        topic = self._topics[role]
-        partners = self._wanted if role is Role.RGB else [Role.RGB]
+    def _overflowed(self, role: Role, size: int) -> FrameRefused | None:
+        """Name the partner that never came or lags; None where only transforms are awaited."""
+        partners = [Role.CAMERA_INFO, *self._partners] if role is Role.RGB else [Role.RGB]
+        reached: dict[Role, int] = {}
         for partner in partners:
-            if self._queues[partner].latest is None:
-                cause = MISSING.get(partner, RefusalCause.QUEUE_FULL)
-                return FrameRefused(
-                    cause,
-                    f"{size} messages on {topic} wait and the oldest is dropped: nothing has come "
-                    f"on {self._topics[partner]} ({partner.value}); publish it or set its topic",
-                )
-        timed = [partner for partner in partners if partner is not Role.CAMERA_INFO]
-        behind = min(timed, key=lambda partner: cast(int, self._queues[partner].latest))
-        reached = cast(int, self._queues[behind].latest) / 1e9
-        return FrameRefused(
-            RefusalCause.QUEUE_FULL,
-            f"{size} messages on {topic} wait and the oldest is dropped: {self._topics[behind]} "
-            f"({behind.value}) has only come as far as {reached:.3f} s; compare the publishers' "
-            "clocks, or raise capture.queue_size",
-        )
+            latest = self._inbox.waiting(partner).latest
+            if latest is None:
+                return self._refusals.never_came(role, partner, size)
+            reached[partner] = latest
+        reached.pop(Role.CAMERA_INFO, None)
+        behind = min(reached, key=lambda partner: reached[partner])
+        if role is Role.RGB and reached[behind] >= self._inbox.queues[role].oldest.stamp_ns:
+            return None
+        return self._refusals.lags(role, behind, reached[behind], size)

@@ -21,6 +21,9 @@ class Role(enum.Enum):
     CAMERA_INFO = "camera_info"
     POSE = "pose"
     MASK = "mask"
+    DEPTH_INFO = "depth_camera_info"
+    TF = "tf"
+    TF_STATIC = "tf_static"
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +74,7 @@ class CameraInfoMessage:
 
 @dataclass(frozen=True)
 class PoseMessage:
-    """Pose of ``child_frame_id`` in ``frame_id`` (``PoseStamped``, ``Odometry``).
+    """Pose of ``child_frame_id`` in ``frame_id`` (``PoseStamped``, ``Odometry``, a transform).
 
     ``position``: x, y, z in metres. ``orientation``: quaternion x, y, z, w. An empty
     ``child_frame_id`` means the colour camera's optical frame, as in a ``PoseStamped``.
@@ -84,5 +87,17 @@ class PoseMessage:
     child_frame_id: str = ""
 
 
+@dataclass(frozen=True)
+class TransformsMessage:
+    """``tf2_msgs/TFMessage``: each transform is the pose of its child frame in its parent frame."""
+
+    transforms: tuple[PoseMessage, ...]
+
+    @property
+    def stamp_ns(self) -> int:
+        """The latest stamp in it; 0 where it is empty."""
+        return max((transform.stamp_ns for transform in self.transforms), default=0)
+
+
 AnyImage: TypeAlias = ImageMessage | CompressedImageMessage
-SensorMessage: TypeAlias = AnyImage | CameraInfoMessage | PoseMessage
+SensorMessage: TypeAlias = AnyImage | CameraInfoMessage | PoseMessage | TransformsMessage

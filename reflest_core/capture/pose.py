@@ -118,18 +118,16 @@ def quaternion_of(rotation: NDArray[np.float64]) -> tuple[float, float, float, f
     return (x, y, z, w)
 
 
-def pose_to_camera_matrix(values: Sequence[float]) -> NDArray[np.float64]:
-    """Return ``T_child_camera`` (4, 4) from the parameter ``capture.pose_to_camera``.
+def matrix_of_parameter(name: str, values: Sequence[float]) -> NDArray[np.float64]:
+    """Return the (4, 4) matrix of a parameter that holds x, y, z and a quaternion x, y, z, w.
 
     Raises:
         ParameterError: if it is not seven finite numbers with a unit quaternion.
     """
     numbers = np.array(values, dtype=np.float64)
     if numbers.shape != (7,) or not np.isfinite(numbers).all():
-        raise ParameterError(
-            f"pose_to_camera = {tuple(values)} is not x, y, z and a quaternion x, y, z, w"
-        )
+        raise ParameterError(f"{name} = {tuple(values)} is not x, y, z and a quaternion x, y, z, w")
     norm = math.hypot(*numbers[3:])
     if abs(norm - 1.0) > UNIT_TOLERANCE:
-        raise ParameterError(f"pose_to_camera has a quaternion of norm {norm:.3g} instead of 1")
+        raise ParameterError(f"{name} has a quaternion of norm {norm:.3g} instead of 1")
     return rigid_matrix(numbers[:3], numbers[3:] / norm)

@@ -22,7 +22,11 @@ class RefusalCause(enum.Enum):
     DEPTH_EMPTY = "depth_empty"
     MASK_MISSING = "mask_missing"
     FRAME_MISMATCH = "frame_mismatch"
+    TRANSFORM_MISSING = "transform_missing"
+    TRANSFORM_INVALID = "transform_invalid"
+    STAMP_INVALID = "stamp_invalid"
     TIME_BACKWARDS = "time_backwards"
+    CLOCK_JUMP = "clock_jump"
     NO_OVERLAP = "no_overlap"
     QUEUE_FULL = "queue_full"
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from reflest_core.capture.pose import pose_to_camera_matrix
-from reflest_core.parameter import check_parameters, parameter
+from reflest_core.capture.pose import matrix_of_parameter
+from reflest_core.parameter import ParameterError, check_parameters, parameter
+
+UNKNOWN_TRANSFORM = (0.0,) * 7
 
 
 @dataclass(frozen=True)
@@ -19,6 +21,16 @@ class CaptureSettings:
     max_pose_gap: float = parameter(
         0.2, "Poses further apart than this are not interpolated between.",
         unit="s", minimum=0.0, maximum=10.0,
+    )  # fmt: skip
+    max_wait: float = parameter(
+        2.0, "A colour image waits for its partners until colour is this far ahead of it (image "
+        "time); then it is used with what has come, or refused.",
+        unit="s", minimum=0.01, maximum=60.0,
+    )  # fmt: skip
+    clock_jump: float = parameter(
+        1.0, "Stamps that go back by this much are a jump of the clock (a bag that starts again): "
+        "what waits is dropped and matching goes on. Smaller steps are late messages.",
+        unit="s", minimum=0.01, maximum=3600.0,
     )  # fmt: skip
     queue_size: int = parameter(
         30, "Images of each topic that may wait for their partners.", minimum=2, maximum=1000
@@ -34,13 +46,30 @@ class CaptureSettings:
         False, "The images are rectified already: use camera_info's P and ignore its distortion."
     )
     check_frame_ids: bool = parameter(
-        True, "Refuse depth that is not in the colour image's frame, and odometry of another "
-        "frame unless pose_to_camera is set.",
+        True, "Compare the frames that messages name: depth of another frame than colour is "
+        "registered to it or refused, as are a pose of another frame, a calibration of another "
+        "camera and a world frame that changes.",
+    )  # fmt: skip
+    pose_source: str = parameter(
+        "pose", "Where poses come from: the topic pose (PoseStamped), the topic odom (Odometry), "
+        "or tf, at the image's stamp.", choices=("pose", "odom", "tf"),
+    )  # fmt: skip
+    world_frame: str = parameter(
+        "map", "With pose_source tf: the frame in which the scan is built."
+    )
+    max_transform_gap: float = parameter(
+        1.0, "Transforms of one frame further apart than this are not interpolated between.",
+        unit="s", minimum=0.0, maximum=60.0,
     )  # fmt: skip
     pose_to_camera: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0),
-        "The colour camera's optical frame in the frame whose pose is published: "
-        "x, y, z in metres, then quaternion x, y, z, w.",
+        "The colour camera's optical frame in the frame whose pose is published: x, y, z in "
+        "metres, then quaternion x, y, z, w. Left as it is, tf may tell it.",
+    )
+    depth_to_rgb: tuple[float, ...] = parameter(
+        UNKNOWN_TRANSFORM,
+        "For depth that is not registered to colour: the depth camera's optical frame in the "
+        "colour camera's: x, y, z in metres, then quaternion x, y, z, w. All 0: taken from tf.",
     )
     use_mask: bool = parameter(
         False, "Wait for a mask image of the scanned object with every colour image."
@@ -48,4 +77,13 @@ class CaptureSettings:
 
     def __post_init__(self) -> None:
         check_parameters(self)
-        pose_to_camera_matrix(self.pose_to_camera)
+        matrix_of_parameter("pose_to_camera", self.pose_to_camera)
+        if self.is_depth_to_rgb_set:
+            matrix_of_parameter("depth_to_rgb", self.depth_to_rgb)
+        if self.pose_source == "tf" and not self.world_frame.strip("/"):
+            raise ParameterError("world_frame is empty: pose_source tf needs its name, as map")
+
+    @property
+    def is_depth_to_rgb_set(self) -> bool:
+        """Whether the user gave the transform between the two cameras."""
+        return self.depth_to_rgb != UNKNOWN_TRANSFORM

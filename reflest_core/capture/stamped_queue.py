@@ -56,6 +56,12 @@ class StampedQueue(Generic[T]):
             self._messages[after] if after < len(self._stamps) else None,
         )
 
+    def clear(self) -> list[T]:
+        """Forget everything, ``latest`` too; return what waited."""
+        waiting = self._messages
+        self._stamps, self._messages, self.latest = [], [], None
+        return waiting
+
     def forget_before(self, stamp_ns: int) -> None:
         """Drop what no later stamp can ask for: all before the last message at or before it."""
         keep_from = max(bisect_right(self._stamps, stamp_ns) - 1, 0)

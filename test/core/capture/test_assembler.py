@@ -148,7 +148,7 @@ def test_the_mask_comes_with_the_frame():
     assembler = FrameAssembler(CaptureSettings(use_mask=True))
     for recorded in recording(1):
         assert assembler.add(recorded.role, recorded.message) == []
-    (frame,) = assembler.add_mask(image(mask, "mono8", stamp(0)))
+    (frame,) = assembler.add(Role.MASK, image(mask, "mono8", stamp(0)))
     assert np.array_equal(frame.mask, mask > 0)
     assert 0 < frame.mask.mean() < 1
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from reflest_core.capture.depth_alignment import DepthAlignment
 from reflest_core.capture.matching import Matcher
 from reflest_core.capture.messages import (
     CameraInfoMessage,
@@ -16,6 +17,7 @@ from reflest_core.capture.messages import (
 )
 from reflest_core.capture.refusal import RefusalCause, RefusalLog
 from reflest_core.capture.settings import CaptureSettings
+from reflest_core.capture.transform_buffer import TransformBuffer
 
 MS = 10**6
 TOPICS = {role: f"/{role.value}" for role in Role}
@@ -34,12 +36,18 @@ def info(stamp_ms=0, width=640):
     return CameraInfoMessage(stamp_ms * MS, "camera", width, 480, K)
 
 
+def _matcher(values, refuse, on_clock_jump=lambda _: None):
+    transforms = TransformBuffer(values.max_transform_gap, values.clock_jump)
+    alignment = DepthAlignment(values, TOPICS, transforms)
+    return Matcher(values, TOPICS, refuse, transforms, alignment, on_clock_jump)
+
+
 class Rig:
     """A matcher with its refusals; stamps go in and come out in milliseconds."""
 
     def __init__(self, **values):
         self.log = RefusalLog()
-        self.matcher = Matcher(CaptureSettings(**values), TOPICS, self.log.add)
+        self.matcher = _matcher(CaptureSettings(**values), self.log.add)
 
     def add(self, role, *messages):
         return [match for one in messages for match in self.matcher.add(role, one)]

@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation, Slerp
 from reflest_core.capture.messages import PoseMessage
 from reflest_core.capture.pose import (
     check_pose,
+    matrix_of_parameter,
     pose_at,
-    pose_to_camera_matrix,
     quaternion_of,
     rigid_matrix,
 )
@@ -110,4 +110,4 @@ def test_either_bad_end_spoils_the_interpolation():
 )
 def test_a_bad_pose_to_camera_is_a_parameter_error(values):
     with pytest.raises(ParameterError, match="pose_to_camera"):
-        pose_to_camera_matrix(values)
+        matrix_of_parameter("pose_to_camera", values)
