@@ -5,11 +5,10 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from builtin_interfaces.msg import Time
-
 from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 from reflest_ros.core_messages import stamp_to_ns
 from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
+from reflest_ros.stamp import ns_to_stamp
 
 HEADER_FIELDS = ("stamp_ns", "frame_id")
 
@@ -17,8 +16,7 @@ HEADER_FIELDS = ("stamp_ns", "frame_id")
 def estimate_to_message(estimate: BrdfEstimate) -> BrdfEstimateMessage:
     """Every field under its own name; stamp and frame_id in the header."""
     message = BrdfEstimateMessage()
-    seconds, nanoseconds = divmod(estimate.stamp_ns, 1_000_000_000)
-    message.header.stamp = Time(sec=seconds, nanosec=nanoseconds)
+    message.header.stamp = ns_to_stamp(estimate.stamp_ns)
     message.header.frame_id = estimate.frame_id
     for field in dataclasses.fields(estimate):
         if field.name not in HEADER_FIELDS:

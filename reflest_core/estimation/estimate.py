@@ -7,6 +7,8 @@ import math
 from dataclasses import dataclass, fields
 from typing import Any
 
+from reflest_core.brdf.parameters import WardParameters, WardVariant
+
 SCHEMA_VERSION = 1
 Rgb = tuple[float, float, float]
 UNKNOWN_RGB: Rgb = (math.nan, math.nan, math.nan)
@@ -55,6 +57,11 @@ class BrdfEstimate:
     c_stddev: float = math.nan
     d_stddev: float = math.nan
     latency: float = math.nan
+
+    @property
+    def ward(self) -> WardParameters:
+        """The Ward values; ValueError for a variant that this version does not know."""
+        return WardParameters(self.rho_d, self.rho_s, self.alpha, WardVariant(self.ward_variant))
 
     def to_json(self) -> dict[str, Any]:
         """Message field names to JSON values; NaN becomes null, the header is one object."""

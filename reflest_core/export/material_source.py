@@ -20,9 +20,7 @@ class MaterialSource:
     @staticmethod
     def from_estimate(estimate: BrdfEstimate) -> MaterialSource:
         """Check the values; :class:`ExportError` names the one that is not physical."""
-        ward = WardParameters(
-            estimate.rho_d, estimate.rho_s, estimate.alpha, _variant(estimate.ward_variant)
-        )
+        ward = _ward(estimate)
         _check("rho_d", min(ward.rho_d) >= 0 and max(ward.rho_d) <= 1, "in [0, 1]", ward.rho_d)
         _check("rho_s", 0 <= ward.rho_s <= 1, "in [0, 1]", ward.rho_s)
         _check("alpha", 0 < ward.alpha < math.inf, "above 0", ward.alpha)
@@ -38,13 +36,13 @@ class MaterialSource:
         return MaterialSource(ward, provenance)
 
 
-def _variant(name: str) -> WardVariant:
+def _ward(estimate: BrdfEstimate) -> WardParameters:
     try:
-        return WardVariant(name)
+        return estimate.ward
     except ValueError:
         known = ", ".join(variant.value for variant in WardVariant)
         raise ExportError(
-            f"the estimate's ward_variant is {name!r}; known ones are {known}"
+            f"the estimate's ward_variant is {estimate.ward_variant!r}; known ones are {known}"
         ) from None
 
 

@@ -1,0 +1,139 @@
+"""``reflectance/markers``: the values as text at the object, the keyframes' cameras around it."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+from geometry_msgs.msg import Point
+from numpy.typing import NDArray
+from rclpy.node import Node
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
+
+from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_core.estimation.scanner import KeyframeSnapshot
+from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_ros.estimate_text import estimate_text
+from reflest_ros.qos import OUTPUT_QOS
+from reflest_ros.stamp import ns_to_stamp
+from reflest_ros.view_settings import MOST_KEYFRAMES, MarkerSettings, read_settings
+
+Pose = NDArray[np.float64]
+
+TRUSTED, DOUBTED = (0.75, 0.95, 0.75), (1.0, 0.75, 0.3)
+OLDEST, NEWEST = np.array([0.25, 0.3, 0.55]), np.array([1.0, 0.6, 0.1])
+
+HALF_WIDTH, HALF_HEIGHT = 0.6, 0.45
+"""Of a pyramid over its length; the camera's own angles are not shown."""
+
+EDGES = ((0, 1), (0, 2), (0, 3), (0, 4), (1, 2), (2, 3), (3, 4), (4, 1))
+"""Of a pyramid: pairs out of its tip (0) and the corners of its base."""
+
+
+class Markers:
+    """Publishes the markers; see :class:`reflest_ros.estimate_view.EstimateView`."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._publisher = node.create_publisher(MarkerArray, "reflectance/markers", OUTPUT_QOS)
+        self._poses: deque[Pose] = deque(maxlen=MOST_KEYFRAMES)
+
+    def show(self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None) -> None:
+        """Remember the pose; publish text and cameras, if anyone looks."""
+        if keyframe.T_world_camera is not None:
+            self._poses.append(keyframe.T_world_camera)
+        if self._publisher.get_subscription_count() > 0:
+            settings = read_settings(self._node, "markers", MarkerSettings)
+            up = np.array(self._node.get_parameter("estimation.up").value)
+            self._publisher.publish(
+                marker_message(keyframe, estimate, list(self._poses), settings, up)
+            )
+
+    def clear(self) -> None:
+        """Remove all markers."""
+        self._poses.clear()
+        self._publisher.publish(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
+
+    def destroy(self) -> None:
+        """Give the publisher back."""
+        self._node.destroy_publisher(self._publisher)
+
+
+def marker_message(
+    keyframe: KeyframeSnapshot,
+    estimate: BrdfEstimate | None,
+    poses: list[Pose],
+    settings: MarkerSettings,
+    up: NDArray[np.float64],
+) -> MarkerArray:
+    """Text above the surface (namespace ``values``), pyramids for ``poses`` (``keyframes``).
+
+    ``poses``: ``T_world_camera`` (4, 4), oldest first. ``up``: (3,), in the world frame.
+    """
+    shown = poses[max(len(poses) - settings.max_keyframes, 0) :]
+    markers = [_values(keyframe.surface, estimate, up), _cameras(shown, settings.frustum)]
+    for marker in markers:
+        marker.header.stamp = ns_to_stamp(keyframe.stamp_ns)
+        marker.header.frame_id = keyframe.world_frame_id
+    return MarkerArray(markers=markers)
+
+
+def _values(
+    surface: ObservedSurface, estimate: BrdfEstimate | None, up: NDArray[np.float64]
+) -> Marker:
+    marker = Marker(ns="values", id=0, type=Marker.TEXT_VIEW_FACING)
+    if surface.voxel_count == 0:
+        marker.action = Marker.DELETE
+        return marker
+    lowest, highest = surface.positions.min(axis=0), surface.positions.max(axis=0)
+    size = float(np.linalg.norm(highest - lowest))
+    marker.scale.z = float(np.clip(0.06 * size, 0.005, 0.5))
+    # Above the object by its own size, so that the lines stand clear of it.
+    at = (lowest + highest) / 2 + up / np.linalg.norm(up) * (0.5 * size + 3 * marker.scale.z)
+    marker.pose.position = _point(at)
+    marker.pose.orientation.w = 1.0
+    is_trusted = estimate is not None and not estimate.status
+    marker.color = _colour(TRUSTED if is_trusted else DOUBTED)
+    marker.text = estimate_text(estimate)
+    return marker
+
+
+def _cameras(poses: list[Pose], length: float) -> Marker:
+    marker = Marker(ns="keyframes", id=0, type=Marker.LINE_LIST)
+    if not poses:
+        marker.action = Marker.DELETE
+        return marker
+    marker.scale.x = 0.03 * length
+    marker.pose.orientation.w = 1.0
+    marker.color = _colour((1.0, 1.0, 1.0))
+    for age, pose in zip(np.linspace(0, 1, len(poses)), poses, strict=True):
+        colour = _colour(NEWEST if len(poses) == 1 else OLDEST + age * (NEWEST - OLDEST))
+        corners = [_point(corner) for corner in camera_pyramid(pose, length)]
+        for edge in EDGES:
+            marker.points += [corners[edge[0]], corners[edge[1]]]
+            marker.colors += [colour, colour]
+    return marker
+
+
+def camera_pyramid(T_world_camera: Pose, length: float) -> NDArray[np.float64]:
+    """Tip and base (5, 3), world frame; the base lies ``length`` metres along the optical axis."""
+    across, down = HALF_WIDTH * length, HALF_HEIGHT * length
+    in_camera = np.array(
+        [
+            [0.0, 0.0, 0.0], [-across, -down, length], [across, -down, length],
+            [across, down, length], [-across, down, length],
+        ]
+    )  # fmt: skip
+    in_world: NDArray[np.float64] = in_camera @ T_world_camera[:3, :3].T + T_world_camera[:3, 3]
+    return in_world
+
+
+def _point(position: NDArray[np.floating]) -> Point:
+    x, y, z = position.tolist()
+    return Point(x=x, y=y, z=z)
+
+
+def _colour(rgb: tuple[float, float, float] | NDArray[np.float64]) -> ColorRGBA:
+    red, green, blue = map(float, rgb)
+    return ColorRGBA(r=red, g=green, b=blue, a=1.0)
