@@ -4,92 +4,98 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-from reflest_core.capture.refusal import RefusalLog
-from reflest_core.estimation.estimate import BrdfEstimate
-from reflest_ros.estimation_worker import EstimationWorker
-from reflest_ros.fusion_worker import FusionWorker
+from reflest_core.capture.messages import Role
+from reflest_core.capture.refusal import RefusalCause
+from reflest_core.fusion.settings import FusionSettings
+from reflest_ros.recent_counts import RecentCounts
+from reflest_ros.scan_session import ScanSession
+from reflest_ros.settings import InputSettings
 from reflest_ros.silence import SilenceWatch
+
+WINDOW = 5.0
+"""Seconds over which rates are taken, and for which a refusal is news."""
 
 
 @dataclass
-class EstimateCounts:
-    """What became of the keyframes; written by the node, read here."""
+class _Watched:
+    """A session, what it counted of late, and who watches its inputs while they are subscribed."""
 
-    published: int = 0
-    failed: int = 0
-    last_failure: str = ""
-    last_latency: float = math.nan
-    last_time: float = field(default=math.nan)
-
-    def published_one(self, estimate: BrdfEstimate) -> None:
-        """Count an estimate that was published now."""
-        self.published += 1
-        self.last_latency = estimate.latency
-        self.last_time = time.monotonic()
+    session: ScanSession
+    messages: RecentCounts[Role]
+    frames: RecentCounts[str]
+    refusals: RecentCounts[RefusalCause]
+    silence: SilenceWatch | None = None
 
 
 class Diagnostics:
-    """Publishes one status each period: counts, refusals by cause, store against budget."""
+    """Publishes one status each period: state, rates, refusals by cause, store against budget."""
 
-    def __init__(
-        self,
-        node: Node,
-        fusion: FusionWorker,
-        estimation: EstimationWorker,
-        refusals: RefusalLog,
-        estimates: EstimateCounts,
-        silence: SilenceWatch,
-        budget_mb: float,
-    ) -> None:
+    def __init__(self, node: Node, settings: InputSettings, fusion: FusionSettings) -> None:
         self._node = node
-        self._fusion = fusion
-        self._estimation = estimation
-        self._refusals = refusals
-        self._estimates = estimates
-        self._silence = silence
-        self._budget_mb = budget_mb
+        self._settings = settings
+        self._budget_mb = fusion.memory_budget_mb
+        self._watched: _Watched | None = None
         self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+
+    def watch(self, session: ScanSession | None) -> None:
+        """Report on ``session`` from now on; None where the node is not configured."""
+        self._watched = None
+        if session is not None:
+            self._watched = _Watched(
+                session, RecentCounts(WINDOW), RecentCounts(WINDOW), RecentCounts(WINDOW)
+            )
+
+    def expect_input(self, is_expected: bool) -> None:
+        """Whether the session's inputs are subscribed, so that their silence is worth a warning."""
+        if self._watched is not None:
+            inputs = self._watched.session.inputs.states
+            self._watched.silence = (
+                SilenceWatch(self._node, inputs, self._settings.silence) if is_expected else None
+            )
 
     def publish(self) -> None:
         """Publish the state as it is now."""
-        silent = self._silence.check()
+        watched = self._watched
         status = DiagnosticStatus(
-            name=f"{self._node.get_name()}: scan",
+            name=f"{self._node.get_fully_qualified_name()}: scan",
             hardware_id="reflest",
-            values=[KeyValue(key=key, value=value) for key, value in self._values().items()],
+            level=DiagnosticStatus.OK,
         )
-        if silent:
-            status.level = DiagnosticStatus.WARN
-            status.message = f"no messages on {', '.join(silent)}"
-        elif self._refusals.counts:
-            cause, _ = self._refusals.counts.most_common(1)[0]
-            status.level = DiagnosticStatus.WARN
-            status.message = self._refusals.first_message[cause]
+        if watched is None:
+            status.message = "not configured"
         else:
-            status.level = DiagnosticStatus.OK
-            status.message = "scanning"
+            _sample(watched)
+            status.message = "scanning" if watched.silence else "paused"
+            if warnings := _warnings(watched):
+                status.level = DiagnosticStatus.WARN
+                status.message = "; ".join(warnings)
+            status.values = [KeyValue(key=k, value=v) for k, v in self._values(watched).items()]
         array = DiagnosticArray(status=[status])
         array.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(array)
 
-    def _values(self) -> dict[str, str]:
-        counts, estimates = self._fusion.counts, self._estimates
-        values = {
-            f"messages {role.value}": str(number)
-            for role, number in counts.messages.items()
-            if number > 0
-        }
+    def _values(self, watched: _Watched) -> dict[str, str]:
+        session = watched.session
+        counts, estimates = session.fusion.counts, session.output.counts
+        values: dict[str, str] = {}
+        for one in session.inputs.states:
+            role = one.role.value
+            values[f"messages {role}"] = str(one.count)
+            values[f"rate {role} (Hz)"] = f"{watched.messages.rate(one.role):.2f}"
+            if one.qos_problem:
+                values[f"incompatible QoS {role}"] = one.qos_problem
         values |= {
+            "matched ratio": f"{_matched_ratio(watched):.3f}",
             "frames matched": str(counts.matched),
             "frames fused": str(counts.fused),
-            "queue": str(self._fusion.waiting),
+            "queue": str(session.fusion.waiting),
             "keyframes": str(counts.keyframes),
-            "keyframes skipped": str(self._estimation.skipped),
+            "keyframes skipped": str(session.estimation.skipped),
             "keyframes without an estimate": str(estimates.failed),
             "last reason for no estimate": estimates.last_failure,
             "estimates": str(estimates.published),
@@ -102,5 +108,33 @@ class Diagnostics:
             "store budget (MB)": f"{self._budget_mb:.1f}",
         }
         # A copy, for the fusion thread may add a cause meanwhile.
-        refused = dict(self._refusals.counts)
+        refused = dict(session.assembler.refusals.counts)
         return values | {f"refused {cause.value}": str(n) for cause, n in refused.items()}
+
+
+def _sample(watched: _Watched) -> None:
+    session, now = watched.session, time.monotonic()
+    watched.messages.sample(now, {one.role: one.count for one in session.inputs.states})
+    watched.frames.sample(now, {"matched": session.fusion.counts.matched})
+    watched.refusals.sample(now, dict(session.assembler.refusals.counts))
+
+
+def _matched_ratio(watched: _Watched) -> float:
+    """Frames matched for each colour image, of late; NaN where none came."""
+    colours = watched.messages.increase(Role.RGB)
+    return watched.frames.increase("matched") / colours if colours else math.nan
+
+
+def _warnings(watched: _Watched) -> list[str]:
+    """What is wrong now, most basic first."""
+    session = watched.session
+    warnings = [one.qos_problem for one in session.inputs.states if one.qos_problem]
+    if watched.silence is not None and (silence := watched.silence.check()):
+        warnings.append(silence)
+    refusals = session.assembler.refusals
+    warnings += [
+        sentence
+        for cause, sentence in list(refusals.first_message.items())
+        if watched.refusals.increase(cause) > 0
+    ]
+    return warnings

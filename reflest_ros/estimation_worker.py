@@ -6,6 +6,7 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
+from typing import Protocol
 
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimate import BrdfEstimate
@@ -16,25 +17,33 @@ from reflest_ros.worker_thread import worker_thread
 Estimate = Callable[[KeyframeSnapshot], BrdfEstimate]
 
 
+class Output(Protocol):
+    """Where estimates go; no two of its methods run at once."""
+
+    def publish(self, keyframe: Keyframe, estimate: BrdfEstimate) -> BrdfEstimate:
+        """Send an estimate; return what was sent."""
+
+    def fail(self, keyframe: Keyframe, error: ReflestError) -> None:
+        """Hear of a keyframe without an estimate."""
+
+    def clear(self) -> None:
+        """Forget what was sent."""
+
+
 class EstimationWorker:
     """Estimates the newest keyframe and whatever is asked for.
 
     A keyframe that comes before the last one was begun takes its place: the topic shows the state
-    of the scan, not its history. ``skipped`` counts these. ``publish(estimate, arrival)`` returns
-    what it published.
+    of the scan, not its history. ``skipped`` counts these.
     """
 
     def __init__(
-        self,
-        estimate: Estimate,
-        publish: Callable[[BrdfEstimate, float], BrdfEstimate],
-        on_failure: Callable[[ReflestError], None],
-        on_crash: Callable[[BaseException], None],
+        self, estimate: Estimate, output: Output, on_crash: Callable[[BaseException], None]
     ) -> None:
         self.skipped = 0
         self._estimate = estimate
-        self._publish = publish
-        self._on_failure = on_failure
+        self._output = output
+        self._output_lock = threading.Lock()
         self._changed = threading.Condition()
         self._keyframe: Keyframe | None = None
         self._requests: deque[tuple[Keyframe, Future[BrdfEstimate]]] = deque()
@@ -64,15 +73,20 @@ class EstimationWorker:
         """Estimate this snapshot before any keyframe; the future has the estimate or the reason."""
         future: Future[BrdfEstimate] = Future()
         with self._changed:
+            if self._is_stopped:
+                future.set_exception(_shutting_down())
+                return future
             self._requests.append((keyframe, future))
             self._changed.notify()
         return future
 
     def forget(self) -> None:
-        """Publish nothing of what was scanned before this call."""
+        """Publish nothing of what was scanned before this call, and clear what was shown."""
         with self._changed:
             self._keyframe = None
             self._generation += 1
+        with self._output_lock:
+            self._output.clear()
 
     def _run(self) -> None:
         while True:
@@ -88,7 +102,7 @@ class EstimationWorker:
                     keyframe, self._keyframe = self._keyframe, None
             self._work(keyframe, future, generation)
         for _, future in self._requests:
-            future.set_exception(ReflestError("the estimator is shutting down"))
+            future.set_exception(_shutting_down())
 
     def _work(
         self, keyframe: Keyframe, future: Future[BrdfEstimate] | None, generation: int
@@ -96,13 +110,19 @@ class EstimationWorker:
         try:
             estimate = self._estimate(keyframe.snapshot)
         except ReflestError as error:
-            if future is None:
-                self._on_failure(error)
-            else:
+            if future is not None:
                 future.set_exception(error)
+                return
+            with self._output_lock:
+                if generation == self._generation:
+                    self._output.fail(keyframe, error)
             return
-        with self._changed:
+        with self._output_lock:
             if generation == self._generation:
-                estimate = self._publish(estimate, keyframe.arrival)
+                estimate = self._output.publish(keyframe, estimate)
         if future is not None:
             future.set_result(estimate)
+
+
+def _shutting_down() -> ReflestError:
+    return ReflestError("the estimator is shutting down")

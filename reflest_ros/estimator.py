@@ -31,6 +31,7 @@ def _run_node() -> int:
     from reflest_ros.node import EstimatorNode
 
     node = EstimatorNode()
+    node.bring_up()
     executor = MultiThreadedExecutor(EXECUTOR_THREADS)
     executor.add_node(node)
     spinning = worker_thread("executor", executor.spin, node.crash)

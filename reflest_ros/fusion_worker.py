@@ -18,6 +18,9 @@ from reflest_core.errors import ReflestError
 from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
 from reflest_ros.worker_thread import worker_thread
 
+MOST_ARRIVALS = 1000
+"""Images whose time of arrival is remembered while they wait to be matched."""
+
 T = TypeVar("T")
 
 
@@ -176,13 +179,15 @@ class FusionWorker:
     def _take(self, arrived: _Arrived) -> None:
         if arrived.role is Role.RGB:
             self._arrivals[arrived.message.stamp_ns] = arrived.at
+            if len(self._arrivals) > MOST_ARRIVALS:
+                del self._arrivals[next(iter(self._arrivals))]
         self._report_drops()
         self._fuse(self._assembler.add(arrived.role, arrived.message))
 
     def _fuse(self, frames: list[Frame]) -> None:
         for frame in frames:
             self.counts.matched += 1
-            arrival = self._arrivals.pop(frame.stamp_ns)
+            arrival = self._arrivals.pop(frame.stamp_ns, time.monotonic())
             self._arrivals = {k: v for k, v in self._arrivals.items() if k > frame.stamp_ns}
             try:
                 scanned = self._scanner.fuse(frame)

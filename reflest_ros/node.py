@@ -1,78 +1,77 @@
-"""The estimator node: topics in, estimates out; all work is done by the core in two threads."""
+"""The estimator node: a managed (lifecycle) node that holds one scan session."""
 
 from __future__ import annotations
 
-import dataclasses
 import threading
-import time
 import traceback
+from collections.abc import Callable
+from typing import Any
 
-from rclpy.node import Node
+from rclpy.clock import Clock, ClockType
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
-from reflest_core.capture.assembler import FrameAssembler
-from reflest_core.capture.refusal import FrameRefused
 from reflest_core.errors import ReflestError
-from reflest_core.estimation.estimate import BrdfEstimate
-from reflest_core.estimation.estimator import Estimator
-from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import ReflestSettings
-from reflest_core.estimation.warm_up import warm_up
-from reflest_core.fusion.keyframe import KeyframePolicy
-from reflest_ros.diagnostics import Diagnostics, EstimateCounts
-from reflest_ros.estimate_message import estimate_to_message
-from reflest_ros.estimation_worker import EstimationWorker
-from reflest_ros.fusion_worker import FusionWorker
-from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
+from reflest_ros.diagnostics import Diagnostics
 from reflest_ros.node_name import NODE_NAME
 from reflest_ros.parameters import declare_parameters, guard_parameters
-from reflest_ros.qos import OUTPUT_QOS
-from reflest_ros.services import ScanServices
-from reflest_ros.silence import SilenceWatch
-from reflest_ros.subscriptions import input_topics, subscribe
+from reflest_ros.scan_session import ScanSession
 
 
-class EstimatorNode(Node):
-    """Subscribes, fuses, estimates at keyframes and publishes.
+class EstimatorNode(LifecycleNode):
+    """Configure loads and allocates, activate subscribes, deactivate pauses, cleanup frees.
 
-    Raises :class:`ReflestError` where a parameter or the weights cannot be used.
+    Raises :class:`ReflestError` where a parameter cannot be used.
     """
 
     def __init__(self) -> None:
         super().__init__(NODE_NAME)
         self.has_crashed = threading.Event()
-        self._estimates = EstimateCounts()
-        node_settings, self._settings = declare_parameters(self)
-        topics = input_topics(self, node_settings, self._settings.capture.use_mask)
-        self._publisher = self.create_publisher(BrdfEstimateMessage, "reflectance/brdf", OUTPUT_QOS)
-
-        self.get_logger().info("starting (the first start after installation compiles for 30 s)")
-        self._scanner = Scanner(self._settings)
-        warm_up(self._scanner.estimator)
-        assembler = FrameAssembler(self._settings.capture, topics, self._on_refusal)
-        self._estimation = EstimationWorker(
-            self._scanner.estimate, self._publish, self._on_failure, self.crash
-        )
-        self._fusion = FusionWorker(
-            assembler, self._scanner, self._estimation.offer, self.crash,
-            node_settings.input.queue_size, node_settings.input.settle,
-        )  # fmt: skip
-        ScanServices(self, self._fusion, self._estimation, self._scanner)
+        self._session: ScanSession | None = None
+        self._failure: ReflestError | None = None
+        self._node_settings, self._settings = declare_parameters(self)
         guard_parameters(self, self._apply)
-        self._estimation.start()
-        self._fusion.start()
-
-        inputs = subscribe(self, topics, node_settings.input.reliability, self._fusion.offer)
-        diagnostics = Diagnostics(
-            self, self._fusion, self._estimation, assembler.refusals, self._estimates,
-            SilenceWatch(self, inputs, node_settings.input.silence),
-            self._settings.fusion.memory_budget_mb,
+        self._diagnostics = Diagnostics(self, self._node_settings.input, self._settings.fusion)
+        # Diagnostics go on where simulated time stands still.
+        self.create_timer(
+            self._node_settings.input.diagnostics_period, self._diagnostics.publish,
+            clock=Clock(clock_type=ClockType.STEADY_TIME),
         )  # fmt: skip
-        self.create_timer(node_settings.input.diagnostics_period, diagnostics.publish)
-        names = ", ".join(topics.values())
-        self.get_logger().info(
-            f"listening to {names}; publishing {self._publisher.topic_name} "
-            f"({self._scanner.estimator.predictor.model_id})"
-        )
+
+    def bring_up(self) -> None:
+        """Configure and activate, where ``lifecycle.autostart`` says so; before the node spins.
+
+        Raises :class:`ReflestError` with the reason why that failed.
+        """
+        if not self._node_settings.lifecycle.autostart:
+            self.get_logger().info("waiting to be configured (lifecycle.autostart is false)")
+            return
+        for trigger in (self.trigger_configure, self.trigger_activate):
+            trigger()
+            if self._failure is not None:
+                raise self._failure
+            if self.has_crashed.is_set():
+                return
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Load the weights, compile and allocate; services appear."""
+        return self._transition(self._configure)
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Subscribe."""
+        return self._transition(self._activate)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Unsubscribe; the scan stays, and the services answer on."""
+        return self._transition(self._deactivate)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Free the scan and the weights; services go."""
+        return self._transition(self._close)
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Free whatever is held."""
+        return self._transition(self._close)
 
     def crash(self, error: BaseException) -> None:
         """Report what should not happen in one of the threads; the process then ends."""
@@ -82,34 +81,57 @@ class EstimatorNode(Node):
 
     def destroy_node(self) -> None:
         """End the threads, then the node."""
-        self._fusion.stop()
-        self._estimation.stop()
+        self._close()
         super().destroy_node()
 
-    def _on_refusal(self, refusal: FrameRefused, is_first: bool) -> None:
-        if is_first:
-            self.get_logger().warning(f"{refusal} (cause: {refusal.cause.value}; said once)")
+    def _transition(self, work: Callable[[], Any]) -> TransitionCallbackReturn:
+        """Run ``work``; a user's mistake fails the transition, one of ours ends the node."""
+        self._failure = None
+        try:
+            work()
+        except ReflestError as error:
+            self._failure = error
+            if self.executor is not None:  # before it spins, bring_up raises the error
+                self.get_logger().error(str(error))
+            return TransitionCallbackReturn.FAILURE
+        except Exception as error:  # rclpy would swallow it
+            self.crash(error)
+            return TransitionCallbackReturn.ERROR
+        return TransitionCallbackReturn.SUCCESS
 
-    def _publish(self, estimate: BrdfEstimate, arrival: float) -> BrdfEstimate:
-        estimate = dataclasses.replace(estimate, latency=time.monotonic() - arrival)
-        if self._estimates.published == 0:
-            self.get_logger().info(f"first estimate after {estimate.view_count} views")
-        self._publisher.publish(estimate_to_message(estimate))
-        self._estimates.published_one(estimate)
-        return estimate
+    def _configure(self) -> None:
+        self.get_logger().info("starting (the first start after installation compiles for 30 s)")
+        self._session = ScanSession(self, self._node_settings, self._settings, self.crash)
+        self._diagnostics.watch(self._session)
 
-    def _on_failure(self, error: ReflestError) -> None:
-        if self._estimates.failed == 0:
-            self.get_logger().warning(f"no estimate at a keyframe: {error} (said once)")
-        self._estimates.failed += 1
-        self._estimates.last_failure = str(error)
+    def _activate(self) -> None:
+        session = self._configured
+        session.activate()
+        self._diagnostics.expect_input(True)
+        self.get_logger().info(
+            f"listening to {', '.join(session.inputs.topics.values())}; publishing "
+            f"{session.output.topic} ({session.scanner.estimator.predictor.model_id})"
+        )
+
+    def _deactivate(self) -> None:
+        self._diagnostics.expect_input(False)
+        self._configured.deactivate()
+        self.get_logger().info("paused: the scan is kept")
+
+    def _close(self) -> None:
+        session, self._session = self._session, None
+        if session is not None:
+            self._diagnostics.watch(None)
+            session.close()
+
+    @property
+    def _configured(self) -> ScanSession:
+        if self._session is None:
+            raise ReflestError("the node is not configured")
+        return self._session
 
     def _apply(self, settings: ReflestSettings) -> None:
         """Take changed live parameters; the structural ones are read-only."""
-        if settings.estimation != self._settings.estimation:
-            self._scanner.estimator = Estimator(settings.estimation)
-        if settings.keyframe != self._settings.keyframe:
-            self._fusion.call(
-                lambda: setattr(self._scanner, "keyframes", KeyframePolicy(settings.keyframe))
-            )
+        if self._session is not None:
+            self._session.apply(settings)
         self._settings = settings

@@ -12,6 +12,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from reflest_core.errors import ReflestError
+from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.scanner import Scanner
 from reflest_ros.estimate_message import estimate_to_message
 from reflest_ros.estimation_worker import EstimationWorker
@@ -29,66 +30,87 @@ class Answer(Protocol):
 AnyAnswer = TypeVar("AnyAnswer", bound=Answer)
 
 
+class Session(Protocol):
+    """What the services work on."""
+
+    scanner: Scanner
+    fusion: FusionWorker
+    estimation: EstimationWorker
+
+    def reset(self) -> None:
+        """Forget the scan; to be run through ``fusion.call``."""
+
+
 class ScanServices:
     """``~/reset``, ``~/estimate``, ``~/save`` and ``~/load``."""
 
-    def __init__(
-        self, node: Node, fusion: FusionWorker, estimation: EstimationWorker, scanner: Scanner
-    ) -> None:
-        self._fusion = fusion
-        self._estimation = estimation
-        self._scanner = scanner
+    def __init__(self, node: Node, session: Session) -> None:
+        self._node = node
+        self._session = session
+        self._fusion = session.fusion
         # A service that waits for fusion must not hold up the subscriptions.
         group = ReentrantCallbackGroup()
-        node.create_service(Trigger, "~/reset", self.reset, callback_group=group)
-        node.create_service(Estimate, "~/estimate", self.estimate, callback_group=group)
-        node.create_service(SaveScan, "~/save", self.save, callback_group=group)
-        node.create_service(LoadScan, "~/load", self.load, callback_group=group)
+        self._services = [
+            node.create_service(kind, f"~/{name}", answer, callback_group=group)
+            for kind, name, answer in (
+                (Trigger, "reset", self.reset),
+                (Estimate, "estimate", self.estimate),
+                (SaveScan, "save", self.save),
+                (LoadScan, "load", self.load),
+            )
+        ]
+
+    def destroy(self) -> None:
+        """Take the services away."""
+        for service in self._services:
+            self._node.destroy_service(service)
 
     def reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Forget the scan."""
 
         def work() -> str:
-            self._fusion.reset()
-            self._estimation.forget()
+            self._session.reset()
             return "the scan is empty"
 
-        return _answer(response, lambda: self._fusion.call(work).result())
+        return answer_with(response, lambda: self._fusion.call(work).result())
 
     def estimate(self, _: Estimate.Request, response: Estimate.Response) -> Estimate.Response:
         """Estimate from all that was scanned; the answer is published as well."""
-        asked = time.monotonic()
 
         def work() -> str:
-            snapshot = self._fusion.call(self._fusion.snapshot).result()
-            estimate = self._estimation.request(Keyframe(snapshot, asked)).result()
+            estimate = self._estimate_now()
             response.estimate = estimate_to_message(estimate)
             return (
                 f"{estimate.model_id}, {estimate.ward_variant}, from {estimate.voxel_count} voxels"
                 f" and {estimate.view_count} views"
             )
 
-        return _answer(response, work)
+        return answer_with(response, work)
 
     def save(self, request: SaveScan.Request, response: SaveScan.Response) -> SaveScan.Response:
         """Write the scan to a file."""
 
         def work() -> str:
-            self._scanner.save(_path(request.path))
-            return f"saved {self._scanner.scan.voxel_count} voxels to {request.path}"
+            self._session.scanner.save(_path(request.path))
+            return f"saved {self._session.scanner.scan.voxel_count} voxels to {request.path}"
 
-        return _answer(response, lambda: self._fusion.call(work).result())
+        return answer_with(response, lambda: self._fusion.call(work).result())
 
     def load(self, request: LoadScan.Request, response: LoadScan.Response) -> LoadScan.Response:
         """Go on from a file."""
 
         def work() -> str:
-            self._scanner.load(_path(request.path))
+            self._session.scanner.load(_path(request.path))
             self._fusion.count_store()
-            self._estimation.forget()
-            return f"loaded {self._scanner.scan.voxel_count} voxels from {request.path}"
+            self._session.estimation.forget()
+            return f"loaded {self._session.scanner.scan.voxel_count} voxels from {request.path}"
 
-        return _answer(response, lambda: self._fusion.call(work).result())
+        return answer_with(response, lambda: self._fusion.call(work).result())
+
+    def _estimate_now(self) -> BrdfEstimate:
+        asked = time.monotonic()
+        snapshot = self._fusion.call(self._fusion.snapshot).result()
+        return self._session.estimation.request(Keyframe(snapshot, asked)).result()
 
 
 def _path(text: str) -> Path:
@@ -97,7 +119,8 @@ def _path(text: str) -> Path:
     return Path(text).expanduser()
 
 
-def _answer(response: AnyAnswer, work: Callable[[], str]) -> AnyAnswer:
+def answer_with(response: AnyAnswer, work: Callable[[], str]) -> AnyAnswer:
+    """Fill ``response`` with what ``work`` says, or with why it failed."""
     try:
         response.message = work()
         response.success = True

@@ -54,8 +54,21 @@ class InputSettings:
 
 
 @dataclass(frozen=True)
+class LifecycleSettings:
+    """How the node comes up."""
+
+    autostart: bool = parameter(
+        True, "Configure and activate at the start; otherwise wait for a lifecycle manager."
+    )
+
+    def __post_init__(self) -> None:
+        check_parameters(self)
+
+
+@dataclass(frozen=True)
 class NodeSettings:
     """The node's own groups of parameters."""
 
+    lifecycle: LifecycleSettings = field(default_factory=LifecycleSettings)
     topics: TopicSettings = field(default_factory=TopicSettings)
     input: InputSettings = field(default_factory=InputSettings)

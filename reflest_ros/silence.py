@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 
 from rclpy.node import Node
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from reflest_ros.subscriptions import Input
 
@@ -14,27 +15,36 @@ class SilenceWatch:
 
     def __init__(self, node: Node, inputs: list[Input], limit: float) -> None:
         self._node = node
-        self._inputs = inputs
+        self._inputs = [one for one in inputs if one.is_awaited]
         self._limit = limit
         self._silent: set[str] = set()
 
-    def check(self) -> list[str]:
-        """Return the topics that are silent now; warn where one has become so."""
+    def check(self) -> str:
+        """What to know of the topics that are silent now, or ""; logged where one became so."""
         now = time.monotonic()
         silent = [one for one in self._inputs if now - one.last_arrival > self._limit]
-        names = {one.topic for one in silent}
-        if names - self._silent:
-            waits = "; ".join(self._describe(one) for one in silent)
-            self._node.get_logger().warning(
-                f"no message for {self._limit:g} s on {waits}. Remap the topic, set its name under "
-                "topics, or start its publisher"
-            )
-        self._silent = names
-        return sorted(names)
+        topics = {one.topic for one in silent}
+        sentence = self._sentence(silent) if silent else ""
+        if topics - self._silent:
+            self._node.get_logger().warning(sentence)
+        self._silent = topics
+        return sentence
+
+    def _sentence(self, silent: list[Input]) -> str:
+        waits = "; ".join(self._describe(one) for one in silent)
+        return (
+            f"no message for {self._limit:g} s on {waits}. Remap the topic, set its name under "
+            "topics, or start its publisher"
+        )
 
     def _describe(self, one: Input) -> str:
+        last = "none yet" if one.last_stamp_ns is None else f"{one.last_stamp_ns / 1e9:.3f} s"
         publishers = self._node.get_publishers_info_by_topic(one.topic)
-        if not publishers:
-            return f"{one.topic} ({one.role.value}; it has no publisher)"
-        offered = ", ".join(sorted({p.qos_profile.reliability.name.lower() for p in publishers}))
-        return f"{one.topic} ({one.role.value}; {len(publishers)} publisher(s), {offered})"
+        known = "; ".join(map(_describe_publisher, publishers)) or "it has no publisher"
+        return f"{one.topic} ({one.role.value}; last stamp: {last}; {known})"
+
+
+def _describe_publisher(publisher: TopicEndpointInfo) -> str:
+    name = f"{publisher.node_namespace.rstrip('/')}/{publisher.node_name}"
+    qos = publisher.qos_profile
+    return f"published by {name}, {qos.reliability.name.lower()}, {qos.durability.name.lower()}"

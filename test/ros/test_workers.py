@@ -116,17 +116,24 @@ def test_a_job_that_waits_when_the_worker_stops_is_answered():
 
 
 class Published:
-    """Collects what an EstimationWorker publishes."""
+    """Collects what an EstimationWorker gives out."""
 
     def __init__(self):
         self.estimates = []
         self.failures = []
+        self.cleared = 0
         self.crashes = []
         self.crashed = threading.Event()
 
-    def publish(self, estimate, arrival):
-        self.estimates.append((estimate, arrival))
+    def publish(self, keyframe, estimate):
+        self.estimates.append((estimate, keyframe.arrival))
         return estimate
+
+    def fail(self, keyframe, error):
+        self.failures.append(error)
+
+    def clear(self):
+        self.cleared += 1
 
     def crash(self, error):
         self.crashes.append(error)
@@ -143,9 +150,7 @@ def estimating():
     workers = []
 
     def start(estimate, *offered):
-        worker = EstimationWorker(
-            estimate, published.publish, published.failures.append, published.crash
-        )
+        worker = EstimationWorker(estimate, published, published.crash)
         for number in offered:
             worker.offer(keyframe(number))
         worker.start()
@@ -182,6 +187,7 @@ def test_what_was_scanned_before_a_reset_is_not_published_after_it(estimating):
     release.set()
     worker.request(keyframe(3)).result(60)
     assert [arrival for _, arrival in published.estimates] == [3.0]
+    assert published.cleared == 1
 
 
 def test_no_estimate_is_a_failure_at_a_keyframe_and_an_answer_to_a_request(estimating):

@@ -1,0 +1,88 @@
+"""All that lives from configure to cleanup: the scan, its two threads, services and topics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rclpy.node import Node
+
+from reflest_core.capture.assembler import FrameAssembler
+from reflest_core.capture.refusal import FrameRefused
+from reflest_core.estimation.estimator import Estimator
+from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.settings import ReflestSettings
+from reflest_core.estimation.warm_up import warm_up
+from reflest_core.fusion.keyframe import KeyframePolicy
+from reflest_ros.estimate_output import EstimateOutput
+from reflest_ros.estimation_worker import EstimationWorker
+from reflest_ros.fusion_worker import FusionWorker
+from reflest_ros.services import ScanServices
+from reflest_ros.settings import NodeSettings
+from reflest_ros.subscriptions import Inputs
+from reflest_ros.views import VIEWS
+
+
+class ScanSession:
+    """Fuses what the inputs bring while it is active, and answers services until it is closed.
+
+    Raises :class:`ReflestError` where the settings or the weights cannot be used.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        node_settings: NodeSettings,
+        settings: ReflestSettings,
+        on_crash: Callable[[BaseException], None],
+    ) -> None:
+        self._settings = settings
+        self._log = node.get_logger()
+        self.inputs = Inputs(node, node_settings, settings.capture)
+        self.scanner = Scanner(settings)
+        warm_up(self.scanner.estimator)
+        self.assembler = FrameAssembler(settings.capture, self.inputs.topics, self._on_refusal)
+        self.output = EstimateOutput(node, [view(node) for view in VIEWS])
+        self.estimation = EstimationWorker(self.scanner.estimate, self.output, on_crash)
+        self.fusion = FusionWorker(
+            self.assembler, self.scanner, self.estimation.offer, on_crash,
+            node_settings.input.queue_size, node_settings.input.settle,
+        )  # fmt: skip
+        self._services = ScanServices(node, self)
+        self.estimation.start()
+        self.fusion.start()
+
+    def activate(self) -> None:
+        """Subscribe."""
+        self.inputs.activate(self.fusion)
+
+    def deactivate(self) -> None:
+        """Unsubscribe, and fuse what had come; the scan stays."""
+        self.inputs.deactivate()
+        self.fusion.call(self.fusion.settle).result()
+
+    def close(self) -> None:
+        """End the threads and give everything back."""
+        self.inputs.deactivate()
+        self._services.destroy()
+        self.fusion.stop()
+        self.estimation.stop()
+        self.output.destroy()
+
+    def reset(self) -> None:
+        """Forget the scan; to be run through ``fusion.call``."""
+        self.fusion.reset()
+        self.estimation.forget()
+
+    def apply(self, settings: ReflestSettings) -> None:
+        """Take changed live parameters, or refuse them with a :class:`ReflestError`."""
+        if settings.estimation != self._settings.estimation:
+            self.scanner.estimator = Estimator(settings.estimation)
+        if settings.keyframe != self._settings.keyframe:
+            self.fusion.call(
+                lambda: setattr(self.scanner, "keyframes", KeyframePolicy(settings.keyframe))
+            )
+        self._settings = settings
+
+    def _on_refusal(self, refusal: FrameRefused, is_first: bool) -> None:
+        if is_first:
+            self._log.warning(f"{refusal} (cause: {refusal.cause.value}; said once)")
