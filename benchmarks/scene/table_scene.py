@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.fusion.settings import RegionSettings
 
 VERSION = 1
@@ -40,3 +41,8 @@ LIGHTS = np.array(
 
 REGION = RegionSettings("box", (0.02, 0.0, 0.155), (0.38, 0.30, 0.30))
 """Holds the object and begins 5 mm above the table."""
+
+
+def table_settings() -> ReflestSettings:
+    """The defaults, with the region around the object."""
+    return ReflestSettings(region=REGION)

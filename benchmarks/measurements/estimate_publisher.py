@@ -1,0 +1,39 @@
+"""Publishes estimates over DDS as the node does, to a subscriber in the same process."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Callable, Iterator
+
+import rclpy
+from rclpy.context import Context
+
+from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_ros.estimate_message import estimate_to_message
+from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
+from reflest_ros.qos import OUTPUT_QOS
+
+TOPIC = "/benchmark/brdf"
+
+
+@contextlib.contextmanager
+def publishing() -> Iterator[Callable[[BrdfEstimate], None]]:
+    """A function that converts and publishes one estimate."""
+    use_private_domain()
+    context = Context()
+    rclpy.init(context=context)
+    node = rclpy.create_node("reflest_benchmark", context=context)
+    try:
+        publisher = node.create_publisher(BrdfEstimateMessage, TOPIC, OUTPUT_QOS)
+        node.create_subscription(BrdfEstimateMessage, TOPIC, lambda _: None, OUTPUT_QOS)
+        yield lambda estimate: publisher.publish(estimate_to_message(estimate))
+    finally:
+        node.destroy_node()
+        context.try_shutdown()
+
+
+def use_private_domain() -> None:
+    """Keep to this machine and off other robots' domain, unless the user chose one."""
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))

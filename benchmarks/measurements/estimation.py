@@ -1,0 +1,79 @@
+"""Estimates from one scan, each model: what we ship against PyTorch run eagerly."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from benchmarks.measurements.stages import ESTIMATE, ESTIMATION_STAGES, NETWORK
+from benchmarks.measuring.resident_memory import forget_peak, peak_mb, resident_mb
+from benchmarks.measuring.stage_clock import StageClock
+from benchmarks.measuring.timing import Timing
+from benchmarks.scene.table_scene import table_settings
+from reflest_core.capture.open_capture import open_capture
+from reflest_core.estimation.estimator import Estimator
+from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
+from reflest_core.features.voxel_choice import choose_voxels
+from reflest_core.models.network_kind import NETWORKS
+from reflest_core.models.predictor import FIXED_DRAW, MODELS
+from reflest_core.models.weights import SHIPPED, load_into, load_weights
+
+WARM_UP = 3
+"""Estimates before the first that counts."""
+
+
+def measure(capture: str, frames: int, estimates: int) -> dict[str, Any]:
+    """Scan the first ``frames``, then estimate ``estimates`` times with every model."""
+    settings = table_settings()
+    scanner = Scanner(settings)
+    for frame in itertools.islice(open_capture(Path(capture)), frames):
+        scanner.fuse(frame)
+    snapshot = scanner.snapshot()
+    models = {}
+    for model in MODELS:
+        scanner.estimator = Estimator(dataclasses.replace(settings.estimation, model=model))
+        models[model] = {
+            "shipped": [dataclasses.asdict(one) for one in _shipped(scanner, snapshot, estimates)],
+            "eager": [dataclasses.asdict(one) for one in _eager(model, snapshot, estimates)],
+        }
+    return {"models": models, "voxels": snapshot.surface.voxel_count, "peak_mb": peak_mb()}
+
+
+def _shipped(scanner: Scanner, snapshot: KeyframeSnapshot, count: int) -> list[Timing]:
+    """The path of the node, stage by stage."""
+    clock = StageClock(ESTIMATION_STAGES)
+    for number in range(WARM_UP + count):
+        if number == WARM_UP:
+            clock.seconds.clear()
+        with clock.watching(), clock.timing(ESTIMATE):
+            scanner.estimate(snapshot)
+        clock.lap()
+    forget_peak()
+    before = resident_mb()
+    scanner.estimate(snapshot)
+    return clock.timings({ESTIMATE: max(peak_mb() - before, 0.0)})
+
+
+def _eager(model: str, snapshot: KeyframeSnapshot, count: int) -> list[Timing]:
+    """The network as a plain ``torch.nn.Module`` in float32, with the same features."""
+    choice = MODELS[model]
+    kind = NETWORKS[choice.network]
+    path = SHIPPED / choice.file
+    module = kind.make()
+    load_into(module, load_weights(path)[0], path)
+    module.eval()
+    voxels = choose_voxels(snapshot.surface, choice.voxels)
+    inputs = kind.features(snapshot.surface, voxels, FIXED_DRAW)
+    clock = StageClock(())
+    with torch.inference_mode():
+        for number in range(WARM_UP + count):
+            if number == WARM_UP:
+                clock.seconds.clear()
+            with clock.timing(NETWORK):
+                module(*(tensor[None] for tensor in inputs))
+            clock.lap()
+    return clock.timings()

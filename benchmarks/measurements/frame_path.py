@@ -1,0 +1,65 @@
+"""The whole live path in one process: bag to messages, frames, fusion, estimates, DDS."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import time
+from pathlib import Path
+from typing import Any
+
+from benchmarks.measurements.estimate_publisher import publishing
+from benchmarks.measurements.stages import ASSEMBLE, ESTIMATE, FRAME, FUSE, PUBLISH, STAGES
+from benchmarks.measuring.resident_memory import peak_mb
+from benchmarks.measuring.stage_clock import StageClock
+from benchmarks.scene.table_scene import table_settings
+from reflest_core.capture.open_capture import open_capture
+from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.settings import ReflestSettings
+from reflest_core.estimation.warm_up import warm_up
+
+
+def measure(capture: str, frames: int, memory_frames: int, is_table: bool) -> dict[str, Any]:
+    """Time every stage over the first ``frames``, then note memory over ``memory_frames``.
+
+    ``is_table``: set the region of interest to the object on the table.
+    """
+    settings = table_settings() if is_table else ReflestSettings()
+    clock = StageClock(STAGES)
+    scanner, fuse_ms = _scanned(Path(capture), frames, settings, clock)
+    peak = peak_mb()
+    with_memory = StageClock(STAGES, with_memory=True)
+    _scanned(Path(capture), memory_frames, settings, with_memory)
+    return {
+        "stages": [dataclasses.asdict(one) for one in clock.timings(with_memory.memory_mb)],
+        "fuse_ms": fuse_ms,
+        "frames": len(fuse_ms),
+        "voxels": scanner.scan.voxel_count,
+        "observations": scanner.scan.observation_count,
+        "views": scanner.scan.view_count,
+        "peak_mb": peak,
+    }
+
+
+def _scanned(
+    path: Path, count: int, settings: ReflestSettings, clock: StageClock
+) -> tuple[Scanner, dict[str, float]]:
+    """The scan, and the milliseconds that each frame's fusion took, by image stamp."""
+    scanner = Scanner(settings)
+    warm_up(scanner.estimator)
+    fuse_ms = {}
+    with publishing() as publish, clock.watching():
+        for frame in itertools.islice(open_capture(path, settings=settings.capture), count):
+            started = time.perf_counter()
+            with clock.timing(FUSE):
+                scanned = scanner.fuse(frame)
+            fuse_ms[str(frame.stamp_ns)] = 1000.0 * (time.perf_counter() - started)
+            lap = clock.lap()
+            clock.seconds[FRAME].append(lap[ASSEMBLE] + lap[FUSE])
+            if scanned.keyframe is not None:
+                with clock.timing(ESTIMATE):
+                    estimate = scanner.estimate(scanned.keyframe)
+                with clock.timing(PUBLISH):
+                    publish(estimate)
+                clock.lap()
+    return scanner, fuse_ms

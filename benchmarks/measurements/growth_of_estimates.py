@@ -1,0 +1,99 @@
+"""Whether estimates grow with the scan: more surface, more views."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from typing import Any
+
+from benchmarks.measurements.stages import ESTIMATE, FUSE
+from benchmarks.measuring.resident_memory import resident_mb
+from benchmarks.measuring.timing import Timing
+from benchmarks.scene.floor import floor_region, overview_frames, small_frames
+from benchmarks.scene.recording import Recording, rendered_frames
+from benchmarks.scene.table_scene import REGION
+from reflest_core.capture.frame import Frame
+from reflest_core.estimation.estimator import Estimator
+from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
+from reflest_core.estimation.warm_up import warm_up
+from reflest_core.fusion.settings import FusionSettings
+from reflest_core.models.predictor import MODELS
+
+BUDGET_MB = 2048.0
+"""Enough that nothing is evicted."""
+SNAPSHOT = "snapshot"
+LAST_FRAMES = 10
+"""Frames at the end of a scan over which fusion is timed."""
+
+
+def measure(
+    store_voxels: list[int], voxel_size_mm: float, view_counts: list[int], estimates: int
+) -> dict[str, Any]:
+    """Scans of a floor with about ``store_voxels``, then one of the table with more and more views.
+
+    ``estimates``: for each model and size.
+    """
+    return {
+        "store": [_floor(voxels, voxel_size_mm / 1000.0, estimates) for voxels in store_voxels],
+        "views": _table(view_counts, estimates),
+    }
+
+
+def _floor(voxels: int, voxel_size: float, estimates: int) -> dict[str, Any]:
+    """After the scan, frames that see the same small part of it each time are timed."""
+    edge = voxel_size * voxels**0.5
+    scanner = Scanner(
+        ReflestSettings(
+            region=floor_region(edge),
+            fusion=FusionSettings(voxel_size=voxel_size, memory_budget_mb=BUDGET_MB),
+        )
+    )
+    warm_up(scanner.estimator)
+    for frame in overview_frames(edge):
+        scanner.fuse(frame)
+    fuse = [_seconds_to_fuse(scanner, frame) for frame in small_frames(LAST_FRAMES)]
+    return {"wanted_voxels": voxels, **_cost(scanner, fuse, estimates)}
+
+
+def _table(view_counts: list[int], estimates: int) -> list[dict[str, Any]]:
+    """Every frame adds a view."""
+    scanner = Scanner(ReflestSettings(region=REGION, fusion=FusionSettings(view_spacing=0.0)))
+    warm_up(scanner.estimator)
+    costs, fuse = [], []
+    for number, frame in enumerate(rendered_frames(Recording(320, 240, max(view_counts), 6.0)), 1):
+        fuse.append(_seconds_to_fuse(scanner, frame))
+        if number in view_counts:
+            costs.append(_cost(scanner, fuse[-LAST_FRAMES:], estimates))
+    return costs
+
+
+def _seconds_to_fuse(scanner: Scanner, frame: Frame) -> float:
+    started = time.perf_counter()
+    scanner.scan.fuse(frame)
+    return time.perf_counter() - started
+
+
+def _cost(scanner: Scanner, fuse: list[float], estimates: int) -> dict[str, Any]:
+    snapshot = scanner.snapshot()
+    seconds: dict[str, list[float]] = {SNAPSHOT: []}
+    for model in MODELS:
+        scanner.estimator = Estimator(EstimationSettings(model=model))
+        scanner.estimate(snapshot)
+        name = f"{ESTIMATE}, {model}"
+        seconds[name] = []
+        for _ in range(estimates):
+            started = time.perf_counter()
+            snapshot = scanner.snapshot()
+            copied = time.perf_counter()
+            scanner.estimate(snapshot)
+            seconds[SNAPSHOT].append(copied - started)
+            seconds[name].append(time.perf_counter() - copied)
+    timings = [Timing.of(FUSE, fuse), *(Timing.of(name, some) for name, some in seconds.items())]
+    return {
+        "voxels": scanner.scan.voxel_count,
+        "observations": scanner.scan.observation_count,
+        "views": scanner.scan.view_count,
+        "resident_mb": resident_mb(),
+        "timings": [dataclasses.asdict(one) for one in timings],
+    }

@@ -1,0 +1,61 @@
+"""Where each stage of the live path is done."""
+
+from __future__ import annotations
+
+from benchmarks.measuring.stage_clock import Stage
+
+ASSEMBLE = "assemble: match, decode, check"
+FUSE = "fuse"
+FRAME = "frame: assemble and fuse"
+ESTIMATE = "estimate"
+PUBLISH = "publish"
+NETWORK = "network"
+
+CAPTURE_STAGES = (
+    Stage("match", ("reflest_core.capture.matching:Matcher.add",)),
+    Stage(
+        "decode",
+        (
+            "reflest_core.capture.assembler:decode_colour",
+            "reflest_core.capture.assembler:decode_depth",
+            "reflest_core.capture.assembler:decode_mask",
+        ),
+    ),
+    Stage(ASSEMBLE, ("reflest_core.capture.assembler:FrameAssembler.add",)),
+)
+FUSION_STAGES = (
+    Stage("classify pixels", ("reflest_core.fusion.scan:classify_pixels",)),
+    Stage(
+        "TSDF",
+        tuple(
+            f"reflest_core.fusion.tsdf:TsdfVolume.{name}"
+            for name in ("allocate", "integrate", "extract")
+        ),
+    ),
+    Stage("F and B", ("reflest_core.fusion.scan:foreground_background_means",)),
+    Stage(
+        "observations",
+        (
+            "reflest_core.fusion.scan:visible_voxels",
+            *(
+                f"reflest_core.fusion.observation_store:ObservationStore.{name}"
+                for name in ("remove", "move", "refresh", "claim", "unseen_from", "observe")
+            ),
+        ),
+    ),
+    Stage("snapshot", ("reflest_core.estimation.scanner:Scanner.snapshot",)),
+)
+ESTIMATION_STAGES = (
+    Stage("voxel choice", ("reflest_core.models.predictor:choose_voxels",)),
+    Stage("hemisphere images", ("reflest_core.models.network_kind:hemisphere_images",)),
+    Stage("grouplets", ("reflest_core.models.network_kind:draw_grouplets",)),
+    Stage(
+        NETWORK,
+        (
+            "reflest_core.models.hemicnn:HemiCNN.forward",
+            "reflest_core.models.grouplet:Grouplet.forward",
+        ),
+    ),
+    Stage("coverage", ("reflest_core.estimation.estimator:hemisphere_coverage",)),
+)
+STAGES = CAPTURE_STAGES + FUSION_STAGES + ESTIMATION_STAGES

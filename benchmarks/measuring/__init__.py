@@ -1,0 +1,1 @@
+"""Clocks, memory, fresh processes and what is known about the machine."""

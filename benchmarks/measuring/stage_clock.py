@@ -1,0 +1,111 @@
+"""Times stages inside the shipped code path, by wrapping the functions that do them."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import importlib
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from benchmarks.measuring.resident_memory import forget_peak, peak_mb, resident_mb
+from benchmarks.measuring.timing import Timing
+from reflest_core.errors import ReflestError
+
+
+class StageMoved(ReflestError):
+    """The code that a stage names is no longer there."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A stage of the path and the functions that do it.
+
+    ``places``: ``module:name`` or ``module:Class.name`` ; looked up where they are called, so
+    an imported function is named in the importing module.
+    """
+
+    name: str
+    places: tuple[str, ...]
+
+
+class StageClock:
+    """Sums each stage's time between two calls of :meth:`lap`.
+
+    ``with_memory`` also notes what each call adds to the resident memory at its peak; that costs
+    time itself, so durations then mean nothing.
+    """
+
+    def __init__(self, stages: Sequence[Stage], with_memory: bool = False) -> None:
+        self.seconds: dict[str, list[float]] = defaultdict(list)
+        self.memory_mb: dict[str, float] = {}
+        self._stages = stages
+        self._with_memory = with_memory and forget_peak()
+        self._current: dict[str, float] = defaultdict(float)
+
+    @contextlib.contextmanager
+    def watching(self) -> Iterator[None]:
+        """Time the stages' functions for the block."""
+        with contextlib.ExitStack() as undo:
+            for stage in self._stages:
+                for place in stage.places:
+                    owner, name = _find(stage, place)
+                    original = getattr(owner, name)
+                    undo.callback(setattr, owner, name, original)
+                    setattr(owner, name, self._timed(stage.name, original))
+            yield
+
+    @contextlib.contextmanager
+    def timing(self, name: str) -> Iterator[None]:
+        """Time the block as a stage."""
+        started = time.perf_counter()
+        try:
+            yield
+        finally:
+            self._current[name] += time.perf_counter() - started
+
+    def lap(self) -> dict[str, float]:
+        """End a frame or an estimate: one duration for each stage that ran; returns them."""
+        lap = dict(self._current)
+        for name, seconds in lap.items():
+            self.seconds[name].append(seconds)
+        self._current.clear()
+        return lap
+
+    def timings(self, memory_mb: dict[str, float] | None = None) -> list[Timing]:
+        """All stages in the order in which they first ran; memory comes from another clock."""
+        memory_mb = memory_mb or {}
+        return [Timing.of(name, s, memory_mb.get(name)) for name, s in self.seconds.items()]
+
+    def _timed(self, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        @functools.wraps(function)
+        def timed(*arguments: Any, **options: Any) -> Any:
+            before = resident_mb() if self._with_memory and forget_peak() else 0.0
+            started = time.perf_counter()
+            try:
+                return function(*arguments, **options)
+            finally:
+                self._current[name] += time.perf_counter() - started
+                if self._with_memory:
+                    added = max(peak_mb() - before, 0.0)
+                    self.memory_mb[name] = max(added, self.memory_mb.get(name, 0.0))
+
+        return timed
+
+
+def _find(stage: Stage, place: str) -> tuple[Any, str]:
+    """The object that holds the function, and its name there."""
+    module, _, path = place.partition(":")
+    *owners, name = path.split(".")
+    try:
+        owner = functools.reduce(getattr, owners, importlib.import_module(module))
+        getattr(owner, name)
+    except (ImportError, AttributeError) as error:
+        raise StageMoved(
+            f"the stage {stage.name!r} is timed at {place}, which is not there ({error}): name its "
+            "new place in benchmarks/measurements/stages.py"
+        ) from error
+    return owner, name
