@@ -14,6 +14,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.scanner import KeyframeSnapshot
 from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.fusion.settings import RegionSettings
 from reflest_ros.estimate_text import estimate_text
 from reflest_ros.qos import OUTPUT_QOS
 from reflest_ros.stamp import ns_to_stamp
@@ -23,6 +24,8 @@ Pose = NDArray[np.float64]
 
 TRUSTED, DOUBTED = (0.75, 0.95, 0.75), (1.0, 0.75, 0.3)
 OLDEST, NEWEST = np.array([0.25, 0.3, 0.55]), np.array([1.0, 0.6, 0.1])
+
+GLASS, GLASS_ALPHA = (0.5, 0.7, 1.0), 0.12
 
 HALF_WIDTH, HALF_HEIGHT = 0.6, 0.45
 """Of a pyramid over its length; the camera's own angles are not shown."""
@@ -45,9 +48,10 @@ class Markers:
             self._poses.append(keyframe.T_world_camera)
         if self._publisher.get_subscription_count() > 0:
             settings = read_settings(self._node, "markers", MarkerSettings)
+            region = read_settings(self._node, "region", RegionSettings)
             up = np.array(self._node.get_parameter("estimation.up").value)
             self._publisher.publish(
-                marker_message(keyframe, estimate, list(self._poses), settings, up)
+                marker_message(keyframe, estimate, list(self._poses), settings, region, up)
             )
 
     def clear(self) -> None:
@@ -65,14 +69,20 @@ def marker_message(
     estimate: BrdfEstimate | None,
     poses: list[Pose],
     settings: MarkerSettings,
+    region: RegionSettings,
     up: NDArray[np.float64],
 ) -> MarkerArray:
     """Text above the surface (namespace ``values``), pyramids for ``poses`` (``keyframes``).
 
-    ``poses``: ``T_world_camera`` (4, 4), oldest first. ``up``: (3,), in the world frame.
+    The region of interest is a glass body (``region``). ``poses``: ``T_world_camera`` (4, 4),
+    oldest first. ``up``: (3,), in the world frame.
     """
     shown = poses[max(len(poses) - settings.max_keyframes, 0) :]
-    markers = [_values(keyframe.surface, estimate, up), _cameras(shown, settings.frustum)]
+    markers = [
+        _values(keyframe.surface, estimate, up),
+        _cameras(shown, settings.frustum),
+        _region(region),
+    ]
     for marker in markers:
         marker.header.stamp = ns_to_stamp(keyframe.stamp_ns)
         marker.header.frame_id = keyframe.world_frame_id
@@ -113,6 +123,23 @@ def _cameras(poses: list[Pose], length: float) -> Marker:
         for edge in EDGES:
             marker.points += [corners[edge[0]], corners[edge[1]]]
             marker.colors += [colour, colour]
+    return marker
+
+
+def _region(region: RegionSettings) -> Marker:
+    marker = Marker(ns="region", id=0)
+    if region.shape == "none":
+        marker.action = Marker.DELETE
+        return marker
+    is_box = region.shape == "box"
+    marker.type = Marker.CUBE if is_box else Marker.SPHERE
+    marker.pose.position = _point(np.array(region.centre))
+    marker.pose.orientation.w = 1.0
+    # A sphere's diameter is the first value.
+    edges = region.size if is_box else (region.size[0],) * 3
+    marker.scale.x, marker.scale.y, marker.scale.z = edges
+    marker.color = _colour(GLASS)
+    marker.color.a = GLASS_ALPHA
     return marker
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from reflest_core.parameter import check_parameters, parameter
+from reflest_ros.view_settings import MarkerSettings, PreviewSettings, VoxelSettings
 
 
 @dataclass(frozen=True)
@@ -72,3 +73,6 @@ class NodeSettings:
     lifecycle: LifecycleSettings = field(default_factory=LifecycleSettings)
     topics: TopicSettings = field(default_factory=TopicSettings)
     input: InputSettings = field(default_factory=InputSettings)
+    preview: PreviewSettings = field(default_factory=PreviewSettings)
+    voxels: VoxelSettings = field(default_factory=VoxelSettings)
+    markers: MarkerSettings = field(default_factory=MarkerSettings)

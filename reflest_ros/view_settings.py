@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any, TypeVar, cast
 
 from rclpy.node import Node
 
+from reflest_core.estimation.settings import with_values
 from reflest_core.parameter import check_parameters, parameter
 from reflest_core.rendering.voxel_colours import VoxelColouring
 
-Settings = TypeVar("Settings", "PreviewSettings", "VoxelSettings", "MarkerSettings")
+Settings = TypeVar("Settings")
 
 MOST_KEYFRAMES = 1000
 """Poses that the markers remember."""
@@ -64,7 +66,9 @@ class MarkerSettings:
         check_parameters(self)
 
 
-def read_settings(node: Node, group: str, kind: type[Settings]) -> Settings:
+def read_settings(node: Node, group: str, kind: Callable[[], Settings]) -> Settings:
     """The group's parameters as they are set now."""
-    names = [field.name for field in dataclasses.fields(kind)]
-    return kind(**{name: node.get_parameter(f"{group}.{name}").value for name in names})
+    settings = kind()
+    names = [field.name for field in dataclasses.fields(cast(Any, settings))]
+    values = {name: node.get_parameter(f"{group}.{name}").value for name in names}
+    return cast(Settings, with_values(settings, values, group))

@@ -8,6 +8,7 @@ from view_input import estimate, keyframe, looking_down
 from visualization_msgs.msg import Marker
 
 from reflest_core.estimation.estimate import EstimateStatus
+from reflest_core.fusion.settings import RegionSettings
 from reflest_ros.estimate_text import estimate_text
 from reflest_ros.markers import camera_pyramid, marker_message
 from reflest_ros.view_settings import MarkerSettings
@@ -15,9 +16,11 @@ from reflest_ros.view_settings import MarkerSettings
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def markers(shown=None, material=None, poses=(), settings=None):
+def markers(shown=None, material=None, poses=(), settings=None, region=None):
     shown = keyframe() if shown is None else shown
-    message = marker_message(shown, material, list(poses), settings or MarkerSettings(), UP)
+    message = marker_message(
+        shown, material, list(poses), settings or MarkerSettings(), region or RegionSettings(), UP
+    )
     return {marker.ns: marker for marker in message.markers}
 
 
@@ -84,3 +87,20 @@ def test_the_pyramid_opens_along_the_optical_axis():
     tip, *base = camera_pyramid(pose, 0.5)
     np.testing.assert_allclose(tip, [1, 2, 3])
     np.testing.assert_allclose(np.mean(base, axis=0), [1.5, 2, 3])
+
+
+@pytest.mark.parametrize(
+    ("shape", "kind", "edges"),
+    [("box", Marker.CUBE, (0.1, 0.2, 0.3)), ("sphere", Marker.SPHERE, (0.1, 0.1, 0.1))],
+)
+def test_the_region_of_interest_is_a_glass_body(shape, kind, edges):
+    region = RegionSettings(shape, (1.0, 2.0, 3.0), (0.1, 0.2, 0.3))
+    body = markers(region=region)["region"]
+    assert body.type == kind
+    assert (body.scale.x, body.scale.y, body.scale.z) == edges
+    assert (body.pose.position.x, body.pose.position.y, body.pose.position.z) == (1, 2, 3)
+    assert 0 < body.color.a < 0.3
+
+
+def test_without_a_region_none_is_drawn():
+    assert markers()["region"].action == Marker.DELETE
