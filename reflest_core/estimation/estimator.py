@@ -28,10 +28,10 @@ class Estimator:
     """Estimates the BRDF of observed surfaces; the same surface gives the same bits."""
 
     def __init__(self, settings: EstimationSettings) -> None:
-        """Load the network; :class:`WeightsError` where its weights cannot be used."""
+        """Load the network; :class:`WeightsError`, :class:`DeviceError` where that cannot be."""
         self.settings = settings
         weights = Path(settings.weights) if settings.weights else None
-        self.predictor = Predictor(settings.model, weights)
+        self.predictor = Predictor(settings.model, weights, settings.device, settings.threads)
 
     def estimate(self, surface: ObservedSurface, stamp_ns: int, frame_id: str) -> BrdfEstimate:
         """The surface's BRDF; raises :class:`NoEstimate` where too few voxels were observed."""

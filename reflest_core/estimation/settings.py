@@ -11,7 +11,7 @@ import yaml
 
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.fusion.settings import FusionSettings, KeyframeSettings, RegionSettings
-from reflest_core.models.predictor import MODELS
+from reflest_core.models.model_choice import DEVICES, MODELS
 from reflest_core.parameter import ParameterError, check_parameters, parameter
 
 
@@ -21,6 +21,12 @@ class EstimationSettings:
 
     model: str = parameter("grouplet-slow", "The network that estimates.", choices=tuple(MODELS))
     weights: str = parameter("", "Weight file to use in place of the shipped one.")
+    device: str = parameter(
+        "cpu", "Where the network runs; cuda needs PyTorch and a CUDA device.", choices=DEVICES
+    )
+    threads: int = parameter(
+        1, "CPU threads of the network; fusion has its own.", minimum=1, maximum=64
+    )
     min_voxels: int = parameter(
         10, "With fewer observed voxels there is no estimate.", minimum=1, maximum=1000
     )

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.jit import compiled
 
 BRANCHES = 5
 """M: observations in one node."""
@@ -19,14 +19,22 @@ BRANCH_INPUTS = 12
 
 @dataclass(frozen=True)
 class Grouplets:
-    """Inputs of G nodes.
+    """Inputs of G nodes, which share D distinct observations.
 
-    ``branches``: (G, 5, 12) float32, ``(C, omega_o, F, B)`` with colours / 255 and ``omega_o`` in
-    the world frame, sorted by falling ``omega_o . n``. ``normals``: (G, 3) float32, world frame.
+    ``observations``: (D, 12) float32, ``(C, omega_o, F, B)`` with colours / 255 and ``omega_o`` in
+    the world frame; those of one voxel stand together, voxels in the order of the nodes.
+    ``members``: (G, 5) int32 rows of ``observations``, by falling ``omega_o . n``.
+    ``normals``: (G, 3) float32, world frame.
     """
 
-    branches: NDArray[np.float32]
+    observations: NDArray[np.float32]
+    members: NDArray[np.int32]
     normals: NDArray[np.float32]
+
+    @property
+    def branches(self) -> NDArray[np.float32]:
+        """(G, 5, 12) float32: the observations of every node."""
+        return self.observations[self.members]
 
 
 def draw_grouplets(
@@ -37,19 +45,22 @@ def draw_grouplets(
     Observations are drawn without replacement where a voxel has five or more, else with. An
     unknown F or B (NaN) enters as 0. The same seed draws the same grouplets.
     """
-    branches = np.empty((len(voxels) * nodes, BRANCHES, BRANCH_INPUTS), np.float32)
-    normals = np.repeat(surface.normals[voxels], nodes, axis=0)
-    _draw(
+    uniform = np.random.default_rng(seed).random((len(voxels) * nodes, BRANCHES))
+    most = int(np.minimum(surface.observation_counts[voxels], nodes * BRANCHES).sum())
+    observations = np.empty((most, BRANCH_INPUTS), np.float32)
+    members = np.empty((len(uniform), BRANCHES), np.int32)
+    distinct = _draw(
         surface.positions, surface.normals, surface.offsets, surface.colours,
         surface.view_indices, surface.view_centres,
         np.nan_to_num(surface.view_foreground) / np.float32(255),
         np.nan_to_num(surface.view_background) / np.float32(255),
-        voxels, np.random.default_rng(seed).random((len(normals), BRANCHES)), nodes, branches,
+        voxels, uniform, nodes, observations, members,
     )  # fmt: skip
-    return Grouplets(branches, normals)
+    normals = np.repeat(surface.normals[voxels], nodes, axis=0)
+    return Grouplets(observations[:distinct], members, normals)
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled
 def _draw(
     positions: NDArray[np.float32],
     normals: NDArray[np.float32],
@@ -62,40 +73,79 @@ def _draw(
     voxels: NDArray[np.int64],
     uniform: NDArray[np.float64],
     nodes: int,
-    branches: NDArray[np.float32],
-) -> None:
-    chosen = np.empty(BRANCHES, np.int64)
-    cosines = np.empty(BRANCHES)
-    rows = np.empty((BRANCHES, BRANCH_INPUTS), np.float32)
-    for group in range(len(branches)):
-        voxel = voxels[group // nodes]
+    observations: NDArray[np.float32],
+    members: NDArray[np.int32],
+) -> int:
+    """Fill ``members`` and the first rows of ``observations``; return how many of these."""
+    distinct = 0
+    cosines = np.empty(len(observations))
+    for n in range(len(voxels)):
+        voxel = voxels[n]
         first, count = offsets[voxel], offsets[voxel + 1] - offsets[voxel]
-        for k in range(BRANCHES):
-            chosen[k] = _draw_one(uniform[group, k], count, chosen[:k])
-        for k in range(BRANCHES):
-            index = first + chosen[k]
-            view = view_indices[index]
-            direction = view_centres[view] - positions[voxel]
-            direction = direction / np.sqrt(np.sum(direction * direction))
-            cosines[k] = np.sum(direction * normals[voxel])
-            for channel in range(3):
-                rows[k, channel] = colours[index, channel] / 255.0
-                rows[k, 3 + channel] = direction[channel]
-                rows[k, 6 + channel] = foreground[view, channel]
-                rows[k, 9 + channel] = background[view, channel]
-        order = np.argsort(-cosines, kind="mergesort")
-        for k in range(BRANCHES):
-            branches[group, k] = rows[order[k]]
+        drawn = members[n * nodes : (n + 1) * nodes]
+        row_of = np.full(count, -1, np.int32)
+        for node in range(nodes):
+            draw_without_repeats(uniform[n * nodes + node], count, drawn[node])
+            for k in range(BRANCHES):
+                row_of[drawn[node, k]] = 0
+        for slot in range(count):
+            if row_of[slot] < 0:
+                continue
+            row_of[slot] = distinct
+            row = observations[distinct]
+            view = view_indices[first + slot]
+            squared = np.float32(0.0)
+            for axis in range(3):
+                row[3 + axis] = view_centres[view, axis] - positions[voxel, axis]
+                squared += row[3 + axis] * row[3 + axis]
+            cosine = 0.0
+            for axis in range(3):
+                row[axis] = colours[first + slot, axis] / 255.0
+                row[3 + axis] /= np.sqrt(squared)
+                row[6 + axis] = foreground[view, axis]
+                row[9 + axis] = background[view, axis]
+                cosine += row[3 + axis] * normals[voxel, axis]
+            cosines[distinct] = cosine
+            distinct += 1
+        for node in range(nodes):
+            for k in range(BRANCHES):
+                drawn[node, k] = row_of[drawn[node, k]]
+            _sort_by_falling(cosines, drawn[node])
+    return distinct
 
 
-@numba.njit(cache=True, nogil=True)
-def _draw_one(uniform: float, count: int, taken: NDArray[np.int64]) -> int:
-    """An index below ``count``, not among ``taken`` where ``count`` allows five distinct ones."""
-    if count < BRANCHES:
-        return int(uniform * count)
-    index = int(uniform * (count - len(taken)))
-    # The index-th of those left: step over the taken ones in rising order.
-    for value in np.sort(taken):
-        if index >= value:
+@compiled
+def draw_without_repeats(
+    uniform: NDArray[np.float64], count: int, drawn: NDArray[np.int32]
+) -> None:
+    """Fill ``drawn`` (5,) with indices below ``count``, distinct ones where there are five.
+
+    ``uniform``: (5,) in [0, 1), decides.
+    """
+    taken = np.empty(BRANCHES, np.int64)  # rising
+    for k in range(BRANCHES):
+        if count < BRANCHES:
+            drawn[k] = int(uniform[k] * count)
+            continue
+        index = int(uniform[k] * (count - k))
+        # The index-th of those left: step over the taken ones in rising order.
+        place = 0
+        while place < k and taken[place] <= index:
             index += 1
-    return index
+            place += 1
+        for later in range(k, place, -1):
+            taken[later] = taken[later - 1]
+        taken[place] = index
+        drawn[k] = index
+
+
+@compiled
+def _sort_by_falling(keys: NDArray[np.float64], rows: NDArray[np.int32]) -> None:
+    """Sort ``rows`` (a few) by falling ``keys[row]``; equal ones keep their order."""
+    for k in range(1, len(rows)):
+        row = rows[k]
+        place = k
+        while place > 0 and keys[rows[place - 1]] < keys[row]:
+            rows[place] = rows[place - 1]
+            place -= 1
+        rows[place] = row

@@ -7,9 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.fusion.thinning import thinned
+from reflest_core.jit import compiled
 
 MIN_OBSERVATIONS = 5
 """A voxel seen less often is chosen only where there are too few others."""
+
+MOST_CANDIDATES = 4096
+"""Voxels that are clustered; a larger surface is thinned, so that the choice costs no more."""
 
 
 def choose_voxels(surface: ObservedSurface, count: int) -> NDArray[np.int64]:
@@ -21,47 +26,60 @@ def choose_voxels(surface: ObservedSurface, count: int) -> NDArray[np.int64]:
     never chosen.
     """
     observations = surface.observation_counts
-    eligible = np.flatnonzero(observations >= MIN_OBSERVATIONS)
+    candidates = thinned(observations, MOST_CANDIDATES)
+    eligible = candidates[observations[candidates] >= MIN_OBSERVATIONS]
     if len(eligible) < count:
-        eligible = np.flatnonzero(observations > 0)
+        eligible = candidates
     if len(eligible) <= count:
         return eligible
     positions = surface.positions[eligible].astype(np.float64)
     centred = positions - positions.mean(axis=0)
     radius = max(float(np.sqrt((centred**2).sum(axis=1).mean())), 1e-9)
     points = np.concatenate([centred / radius, surface.normals[eligible]], axis=1)
-    clusters = _k_centre_clusters(points, count)
+    clusters = _k_centre_clusters(np.ascontiguousarray(points.T), count)
     return np.sort(eligible[_most_observed(clusters, observations[eligible], count)])
 
 
-@numba.njit(cache=True, nogil=True)
-def _k_centre_clusters(points: NDArray[np.float64], count: int) -> NDArray[np.int64]:
-    """Cluster (P,) of each point: centres are taken one after another, each farthest from the last.
+# Three plain loops and these flags (no value depends on them) let the compiler use vectors.
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"nnan", "nsz"})
+def _k_centre_clusters(points: NDArray[np.float64], count: int) -> NDArray[np.int32]:
+    """Cluster (P,) of each of the ``points`` (6, P): each centre is farthest from those before it.
 
     The first centre is the point farthest from the mean.
     """
-    clusters = np.zeros(len(points), np.int64)
-    squared = np.full(len(points), np.inf)
-    centre = int(np.argmax((points * points).sum(axis=1)))
+    clusters = np.zeros(points.shape[1], np.int32)
+    nearest = np.full(points.shape[1], np.inf)
+    squared = np.empty(points.shape[1])
+    centre = int(np.argmax((points * points).sum(axis=0)))
     for cluster in range(count):
-        farthest, farthest_squared = 0, -1.0
-        for p in range(len(points)):
-            distance = 0.0
-            for axis in range(points.shape[1]):
-                distance += (points[p, axis] - points[centre, axis]) ** 2
-            if distance < squared[p]:
-                squared[p] = distance
-                clusters[p] = cluster
-            if squared[p] > farthest_squared:
-                farthest, farthest_squared = p, squared[p]
-        centre = farthest
+        c = points[:, centre].copy()
+        for p in range(len(squared)):
+            squared[p] = (
+                (points[0, p] - c[0]) ** 2 + (points[1, p] - c[1]) ** 2
+                + (points[2, p] - c[2]) ** 2 + (points[3, p] - c[3]) ** 2
+                + (points[4, p] - c[4]) ** 2 + (points[5, p] - c[5]) ** 2
+            )  # fmt: skip
+        for p in range(len(squared)):
+            is_nearer = squared[p] < nearest[p]
+            nearest[p] = squared[p] if is_nearer else nearest[p]
+            clusters[p] = cluster if is_nearer else clusters[p]
+        farthest = 0.0
+        for p in range(len(squared)):
+            farthest = max(farthest, nearest[p])
+        centre = 0
+        while nearest[centre] < farthest:
+            centre += 1
     return clusters
 
 
+@compiled
 def _most_observed(
-    clusters: NDArray[np.int64], observations: NDArray[np.int64], count: int
+    clusters: NDArray[np.int32], observations: NDArray[np.int64], count: int
 ) -> NDArray[np.int64]:
-    """Index of the most often observed point of every cluster that has one."""
-    order = np.lexsort((np.arange(len(clusters)), -observations, clusters))
-    _, first = np.unique(clusters[order], return_index=True)
-    return order[first]
+    """Index of the most often observed point of every cluster that has one, by cluster."""
+    best = np.full(count, -1, np.int64)
+    for point in range(len(clusters)):
+        known = best[clusters[point]]
+        if known < 0 or observations[point] > observations[known]:
+            best[clusters[point]] = point
+    return best[best >= 0]

@@ -7,9 +7,6 @@ from torch import nn
 
 from reflest_core.features.grouplets import BRANCH_INPUTS, BRANCHES
 
-FAST_VOXELS = 20
-SLOW_VOXELS = 354
-
 
 class Grouplet(nn.Module):
     """Nodes of 5 branches to (B, 5) z-scored parameters; 265,989 weights, any number of nodes."""

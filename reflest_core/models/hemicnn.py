@@ -5,9 +5,6 @@ from __future__ import annotations
 import torch
 from torch import nn
 
-VOXELS = 25
-"""N: hemisphere images per estimate."""
-
 
 class HemiCNN(nn.Module):
     """(B, N, 3, 10, 10) colours in [0, 1] to (B, 5) z-scored parameters; 14,293 weights."""

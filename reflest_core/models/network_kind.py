@@ -1,4 +1,4 @@
-"""The two networks, each with the features that it eats; shared by training and estimation."""
+"""The two networks in PyTorch, each with the features that it eats, for training and for CUDA."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from reflest_core.features.hemisphere import hemisphere_images
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.models.grouplet import Grouplet
 from reflest_core.models.hemicnn import HemiCNN
+from reflest_core.models.live_grouplet import SEED
 
 Inputs = tuple[torch.Tensor, ...]
 
@@ -25,6 +26,10 @@ class FeatureDraw:
     seed: int
     azimuth: float = 0.0
     nodes_per_voxel: int = NODES_PER_VOXEL
+
+
+LIVE_DRAW = FeatureDraw(SEED)
+"""How an estimate draws, always."""
 
 
 @dataclass(frozen=True)

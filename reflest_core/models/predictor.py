@@ -4,37 +4,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
 
 from reflest_core.brdf.gloss import labcd_to_ward
 from reflest_core.features.voxel_choice import choose_voxels
 from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.models.grouplet import FAST_VOXELS, SLOW_VOXELS
-from reflest_core.models.hemicnn import VOXELS
-from reflest_core.models.network_kind import NETWORKS, FeatureDraw
-from reflest_core.models.weights import SHIPPED, WeightsError, load_into, load_weights
+from reflest_core.models import live_grouplet, live_hemicnn
+from reflest_core.models.model_choice import MODELS
+from reflest_core.models.quantisation import Tensors
+from reflest_core.models.torch_network import TorchNetwork
+from reflest_core.models.weights import SHIPPED, WeightsError, check_fits, load_weights
 
-FIXED_DRAW = FeatureDraw(seed=0)
-"""Grouplets are drawn at random but always alike, so that an estimate repeats bit for bit."""
-
-
-@dataclass(frozen=True)
-class ModelChoice:
-    """One way to estimate: which network, how many voxels, which shipped weights."""
-
-    network: str
-    voxels: int
-    file: str
+SHAPES = {"hemicnn": live_hemicnn.SHAPES, "grouplet": live_grouplet.SHAPES}
 
 
-MODELS = {
-    "hemicnn": ModelChoice("hemicnn", VOXELS, "hemicnn.safetensors"),
-    "grouplet-fast": ModelChoice("grouplet", FAST_VOXELS, "grouplet.safetensors"),
-    "grouplet-slow": ModelChoice("grouplet", SLOW_VOXELS, "grouplet.safetensors"),
-}
+class LiveNetwork(Protocol):
+    """A trained network together with the building of its features."""
+
+    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> NDArray[np.float32]:
+        """(5,) z-scored parameters of the surface, from its ``voxels`` (N,), all observed."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +42,14 @@ class Prediction:
 class Predictor:
     """A trained network ready to look at surfaces, from one thread at a time."""
 
-    def __init__(self, model: str, weights: Path | None = None) -> None:
-        """Load ``model`` (a key of :data:`MODELS`) from its shipped weights or a file."""
+    def __init__(
+        self, model: str, weights: Path | None = None, device: str = "cpu", threads: int = 1
+    ) -> None:
+        """Load ``model`` (a key of :data:`MODELS`) from its shipped weights or a file.
+
+        ``device``: ``cpu`` (NumPy, at most ``threads`` threads) or ``cuda`` (PyTorch). Raises
+        :class:`WeightsError` or :class:`DeviceError`.
+        """
         choice = MODELS[model]
         path = weights or SHIPPED / choice.file
         tensors, self.card, digest = load_weights(path)
@@ -61,19 +58,23 @@ class Predictor:
                 f"{path} holds a {self.card.network} network; set the model to one that uses it, "
                 f"not {model}"
             )
-        self.kind = NETWORKS[choice.network]
-        self.module = self.kind.make()
-        load_into(self.module, tensors, path)
-        self.module.eval()
+        check_fits(tensors, SHAPES[choice.network], path)
+        self.network = _live_network(choice.network, tensors, device, threads)
         self.voxels = choice.voxels
         self.model_id = f"{model}/{digest[:12]}"
 
     def predict(self, surface: ObservedSurface) -> Prediction:
         """Estimate from the surface's chosen voxels; it needs at least one observed voxel."""
         voxels = choose_voxels(surface, self.voxels)
-        with torch.inference_mode():
-            inputs = self.kind.features(surface, voxels, FIXED_DRAW)
-            scores = self.module(*(tensor[None] for tensor in inputs))[0]
-        values = self.card.output_statistics.restore(scores.double().numpy())
+        scores = self.network.scores(surface, voxels)
+        values = self.card.output_statistics.restore(scores.astype(np.float64))
         ward = labcd_to_ward(values) if self.card.parameters == "labcd" else values
         return Prediction(ward, voxels)
+
+
+def _live_network(network: str, tensors: Tensors, device: str, threads: int) -> LiveNetwork:
+    if device != "cpu":
+        return TorchNetwork(network, tensors, device)
+    if network == "hemicnn":
+        return live_hemicnn.LiveHemiCNN(tensors)
+    return live_grouplet.LiveGrouplet(tensors, threads)

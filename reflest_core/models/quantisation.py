@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-import torch
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 SCALE_SUFFIX = ".scale"
 
-Tensors = dict[str, torch.Tensor]
+Tensors = dict[str, NDArray[Any]]
 
 
 def quantise(tensors: Tensors) -> Tensors:
@@ -16,9 +19,9 @@ def quantise(tensors: Tensors) -> Tensors:
         if tensor.ndim < 2:
             stored[name] = tensor
             continue
-        scale = tensor.abs().flatten(1).amax(dim=1).clamp(min=1e-12) / 127
-        rows = scale.view(-1, *[1] * (tensor.ndim - 1))
-        stored[name] = torch.round(tensor / rows).to(torch.int8)
+        rows = tensor.reshape(len(tensor), -1)
+        scale = np.maximum(np.abs(rows).max(axis=1), np.float32(1e-12)) / np.float32(127)
+        stored[name] = np.rint(rows / scale[:, None]).astype(np.int8).reshape(tensor.shape)
         stored[name + SCALE_SUFFIX] = scale
     return stored
 
@@ -29,8 +32,8 @@ def dequantise(stored: Tensors) -> Tensors:
     for name, tensor in stored.items():
         if name.endswith(SCALE_SUFFIX):
             continue
-        if tensor.dtype == torch.int8:
+        if tensor.dtype == np.int8:
             scale = stored[name + SCALE_SUFFIX]
-            tensor = tensor.float() * scale.view(-1, *[1] * (tensor.ndim - 1))
+            tensor = tensor.astype(np.float32) * scale.reshape(-1, *[1] * (tensor.ndim - 1))
         tensors[name] = tensor
     return tensors

@@ -5,14 +5,15 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import torch
+from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
-from safetensors.torch import save_file
+from safetensors.numpy import save_file
 
 from reflest_core.brdf.parameters import WardVariant
 from reflest_core.errors import ReflestError
@@ -48,9 +49,14 @@ class WeightsCard:
         return self.statistics[self.parameters]
 
 
-def save_weights(path: Path, tensors: Tensors, card: WeightsCard, eight_bit: bool) -> None:
-    """Write atomically; ``eight_bit`` stores matrices as int8 (see :mod:`.quantisation`)."""
-    stored = {name: tensor.detach().cpu().contiguous() for name, tensor in tensors.items()}
+def save_weights(
+    path: Path, tensors: Mapping[str, Any], card: WeightsCard, eight_bit: bool
+) -> None:
+    """Write arrays or PyTorch tensors atomically.
+
+    ``eight_bit`` stores matrices as int8 (see :mod:`.quantisation`).
+    """
+    stored = {name: _as_array(tensor) for name, tensor in tensors.items()}
     if eight_bit:
         stored = quantise(stored)
     described = json.dumps(
@@ -78,7 +84,7 @@ def load_weights(path: Path) -> tuple[Tensors, WeightsCard, str]:
     if not path.is_file():
         raise WeightsError(f"there is no weight file {path}; correct estimation.weights")
     try:
-        with safe_open(path, framework="pt") as file:
+        with safe_open(path, framework="np") as file:
             metadata = file.metadata() or {}
             stored = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
     except (SafetensorError, OSError) as error:
@@ -94,22 +100,34 @@ def load_weights(path: Path) -> tuple[Tensors, WeightsCard, str]:
     return dequantise(stored), _read_card(metadata["card"]), digest
 
 
-def load_into(network: torch.nn.Module, tensors: Tensors, path: Path) -> None:
-    """Put ``tensors`` into ``network``; :class:`WeightsError` where they do not fit."""
-    try:
-        network.load_state_dict(tensors)
-    except RuntimeError as error:
-        raise WeightsError(f"{path} does not fit {type(network).__name__}: {error}") from error
+def check_fits(tensors: Tensors, shapes: Mapping[str, tuple[int, ...]], path: Path) -> None:
+    """Raise :class:`WeightsError` unless ``tensors`` are those of the network with ``shapes``."""
+    for name in sorted(shapes.keys() | tensors.keys()):
+        found = tensors[name].shape if name in tensors else None
+        if found != shapes.get(name):
+            raise WeightsError(
+                f"{path} does not fit its network: {name} has shape {found}, not "
+                f"{shapes.get(name)}; use weights written by this version of reflest"
+            )
 
 
 def content_hash(stored: Tensors, card: str) -> str:
-    """SHA-256 (hex) over the card and every tensor's name, type, shape and bytes, by name."""
+    """SHA-256 (hex) over the card and every tensor's name, type, shape and bytes, by name.
+
+    Types are spelt as PyTorch does, which wrote the first files.
+    """
     digest = hashlib.sha256(card.encode())
     for name in sorted(stored):
         tensor = stored[name]
-        digest.update(f"{name} {tensor.dtype} {tuple(tensor.shape)}".encode())
-        digest.update(tensor.numpy().tobytes())
+        digest.update(f"{name} torch.{tensor.dtype} {tensor.shape}".encode())
+        digest.update(tensor.tobytes())
     return digest.hexdigest()
+
+
+def _as_array(tensor: Any) -> NDArray[Any]:
+    if hasattr(tensor, "detach"):
+        tensor = tensor.detach().cpu()
+    return np.ascontiguousarray(tensor)
 
 
 def _read_card(described: str) -> WeightsCard:

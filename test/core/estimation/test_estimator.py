@@ -13,7 +13,7 @@ from reflest_core.brdf.gloss import ward_to_labcd
 from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.estimation.estimator import Estimator, NoEstimate, physical_ward
 from reflest_core.estimation.settings import EstimationSettings
-from reflest_core.models.predictor import MODELS
+from reflest_core.models.model_choice import MODELS
 from test.core.surfaces import sphere_surface, without_observations
 
 SURFACE = sphere_surface(voxels=1000)

@@ -4,7 +4,12 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reflest_core.features.grouplets import BRANCHES, NODES_PER_VOXEL, _draw_one, draw_grouplets
+from reflest_core.features.grouplets import (
+    BRANCHES,
+    NODES_PER_VOXEL,
+    draw_grouplets,
+    draw_without_repeats,
+)
 from test.core.surfaces import sphere_surface
 
 SURFACE = sphere_surface()
@@ -52,11 +57,31 @@ def test_an_unknown_background_enters_as_zero():
     assert not draw_grouplets(surface, VOXELS, seed=1).branches[:, :, 9:].any()
 
 
-@given(st.integers(BRANCHES, 200), st.lists(st.floats(0, 1, exclude_max=True), min_size=5))
+def test_every_observation_is_held_once_and_every_one_held_is_drawn():
+    drawn = draw_grouplets(SURFACE, VOXELS, seed=1)
+    held = drawn.observations
+    assert len(np.unique(held, axis=0)) == len(held)
+    assert set(drawn.members.ravel()) == set(range(len(held)))
+    assert len(held) < drawn.members.size
+
+
+def test_a_voxel_seen_less_often_than_a_node_has_branches_repeats_its_observations():
+    voxels = np.flatnonzero(
+        (SURFACE.observation_counts > 0) & (SURFACE.observation_counts < BRANCHES)
+    )
+    assert len(voxels)
+    drawn = draw_grouplets(SURFACE, voxels, seed=1)
+    assert drawn.members.shape == (len(voxels) * NODES_PER_VOXEL, BRANCHES)
+    assert len(drawn.observations) <= SURFACE.observation_counts[voxels].sum()
+
+
+@given(
+    st.integers(BRANCHES, 200),
+    st.lists(st.floats(0, 1, exclude_max=True), min_size=BRANCHES, max_size=BRANCHES),
+)
 def test_drawing_never_repeats_where_there_are_enough(count, uniforms):
-    taken = np.empty(BRANCHES, np.int64)
-    for k in range(BRANCHES):
-        taken[k] = _draw_one(uniforms[k], count, taken[:k])
-    assert len(set(taken)) == BRANCHES
-    assert taken.min() >= 0
-    assert taken.max() < count
+    drawn = np.empty(BRANCHES, np.int32)
+    draw_without_repeats(np.array(uniforms), count, drawn)
+    # The rule in words: the k-th is the floor(u (count - k))-th of those not taken yet.
+    left = list(range(count))
+    assert drawn.tolist() == [left.pop(int(u * len(left))) for u in uniforms]

@@ -1,0 +1,1 @@
+"""What the light seen in the background explains of the surface's colours."""

@@ -1,0 +1,33 @@
+"""Diffuse light on a surface of any normal, and how much of its origin was seen."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.features.light.completion import LightPyramid
+from reflest_core.fusion.octahedral import octahedral_directions, octahedral_solid_angles
+
+SIZE = 24
+"""Edge of the pyramid's level that is summed: 8 degrees a texel, plenty for a cosine."""
+
+
+def mean_radiance(light: LightPyramid, normals: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(V, 5) for unit ``normals`` (V, 3): cosine-weighted means over the hemisphere.
+
+    The first three are ``E(n) / pi``, the radiance that a white Lambertian surface would send back;
+    then the seen share and the clipped share of the light that falls on it. No visibility: the
+    surface itself hides nothing.
+    """
+    level = next(level for level in light.levels if len(level) == SIZE)
+    directions, angles = _sphere()
+    weights = np.maximum(normals @ directions.T, 0.0) * angles
+    weights /= weights.sum(axis=1, keepdims=True)
+    return np.asarray(weights @ level.reshape(-1, 5), np.float32)
+
+
+@cache
+def _sphere() -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    return octahedral_directions(SIZE).reshape(-1, 3), octahedral_solid_angles(SIZE).reshape(-1)

@@ -1,0 +1,94 @@
+"""The light that a Ward lobe gathers, for several roughnesses (Ward 1992, Eq. 7 and 8)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.features.light.completion import LightPyramid
+from reflest_core.features.tangent_frame import tangent_frame
+from reflest_core.fusion.octahedral import octahedral_texel
+from reflest_core.jit import compiled
+
+ROUGHNESSES = (0.01, 0.03, 0.06, 0.09, 0.12, 0.15, 0.18, 0.21)
+"""Of SynBRDF's materials, evenly; alpha, dimensionless."""
+LEVELS = (0, 0, 1, 1, 1, 2, 2, 2)
+"""Of the light's pyramid for each roughness: texels narrower than its lobe."""
+RINGS, SECTORS = 5, 4
+
+
+def lobe_radiance(
+    light: LightPyramid, normals: NDArray[np.float32], directions: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """(O, K, 5) for every observation and every one of K roughnesses.
+
+    ``normals`` and ``directions`` (towards the camera): (O, 3) unit. The first three are the
+    radiance reflected at ``rho_s = 1``; then the seen and the clipped share of the lobe.
+    Half vectors are stratified over the lobe, ``tan theta_h = alpha sqrt(-ln(1 - u))``, and weigh
+    ``(omega_o . h) cos^3 theta_h sqrt(cos theta_i / cos theta_o)``, which is f / pdf for Eq. 1.
+    """
+    fine, middle, coarse = light.levels[:3]
+    return _gather(
+        fine, middle, coarse, np.array(LEVELS), _HALF_VECTORS,
+        np.ascontiguousarray(normals, np.float32), np.ascontiguousarray(directions, np.float32),
+    )  # fmt: skip
+
+
+def half_vectors() -> NDArray[np.float32]:
+    """(K, 20, 3) unit, in the tangent frame with +z on the normal."""
+    ring, sector = np.meshgrid(np.arange(RINGS), np.arange(SECTORS), indexing="ij")
+    turn = (2.0 * math.pi * (sector + 0.6 * ring) / SECTORS).ravel()
+    slope = np.sqrt(-np.log(1.0 - (ring.ravel() + 0.5) / RINGS))
+    polar = np.arctan(np.array(ROUGHNESSES)[:, None] * slope)
+    return np.stack(
+        [np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar)], axis=-1
+    ).astype(np.float32)
+
+
+_HALF_VECTORS = half_vectors()
+
+
+@compiled
+def _gather(
+    fine: NDArray[np.float32],
+    middle: NDArray[np.float32],
+    coarse: NDArray[np.float32],
+    levels: NDArray[np.int64],
+    half_vectors: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    directions: NDArray[np.float32],
+) -> NDArray[np.float32]:
+    roughnesses, samples = half_vectors.shape[:2]
+    gathered = np.zeros((len(normals), roughnesses, 5), np.float32)
+    for observation in range(len(normals)):
+        n, o = normals[observation], directions[observation]
+        tx, ty, tz, bx, by, bz = tangent_frame(n)
+        cosine_o = max(o[0] * n[0] + o[1] * n[1] + o[2] * n[2], 1e-3)
+        for roughness in range(roughnesses):
+            level = levels[roughness]
+            light = fine if level == 0 else (middle if level == 1 else coarse)
+            total = 0.0
+            for sample in range(samples):
+                x, y, z = half_vectors[roughness, sample]
+                hx = tx * x + bx * y + n[0] * z
+                hy = ty * x + by * y + n[1] * z
+                hz = tz * x + bz * y + n[2] * z
+                along = o[0] * hx + o[1] * hy + o[2] * hz
+                ix, iy, iz = 2 * along * hx - o[0], 2 * along * hy - o[1], 2 * along * hz - o[2]
+                cosine_i = ix * n[0] + iy * n[1] + iz * n[2]
+                if along <= 0.0 or cosine_i <= 0.0:
+                    continue
+                weight = along * z * z * z * math.sqrt(cosine_i / cosine_o)
+                row, column = octahedral_texel(ix, iy, iz, len(light))
+                for channel in range(5):
+                    gathered[observation, roughness, channel] += (
+                        weight * light[row, column, channel]
+                    )
+                total += weight
+            for channel in range(3):
+                gathered[observation, roughness, channel] /= samples
+            for channel in range(3, 5):
+                gathered[observation, roughness, channel] /= max(total, 1e-6)
+    return gathered

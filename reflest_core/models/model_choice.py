@@ -1,0 +1,23 @@
+"""The ways to estimate that a user can choose from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class ModelChoice:
+    """One way to estimate: which network, how many voxels N, which shipped weights."""
+
+    network: str
+    voxels: int
+    file: str
+
+
+MODELS = {
+    "hemicnn": ModelChoice("hemicnn", 25, "hemicnn.safetensors"),
+    "grouplet-fast": ModelChoice("grouplet", 20, "grouplet.safetensors"),
+    "grouplet-slow": ModelChoice("grouplet", 354, "grouplet.safetensors"),
+}
+
+DEVICES = ("cpu", "cuda")

@@ -1,0 +1,138 @@
+"""The networks as they run while scanning: PyTorch's results, repeatable, nothing done twice."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import torch
+
+from reflest_core.features.grouplets import NODES_PER_VOXEL, draw_grouplets
+from reflest_core.features.hemisphere import hemisphere_images
+from reflest_core.features.voxel_choice import choose_voxels
+from reflest_core.models import live_grouplet, live_hemicnn
+from reflest_core.models.grouplet import Grouplet
+from reflest_core.models.hemicnn import HemiCNN
+from reflest_core.models.live_grouplet import LiveGrouplet, observations_by_place
+from reflest_core.models.live_hemicnn import LiveHemiCNN
+from reflest_core.models.model_choice import MODELS
+from reflest_core.models.predictor import Predictor
+from reflest_core.models.threads import run_in_threads
+from reflest_core.models.torch_network import DeviceError, TorchNetwork
+from reflest_core.models.weights import SHIPPED, load_weights
+from test.core.surfaces import sphere_surface
+
+SURFACE = sphere_surface(voxels=600, views=60)
+
+
+def random_weights(module):
+    torch.manual_seed(1)
+    for parameter in module.parameters():
+        torch.nn.init.normal_(parameter, std=parameter.shape[-1] ** -0.5)
+    return module, {name: tensor.numpy() for name, tensor in module.state_dict().items()}
+
+
+@pytest.mark.parametrize(
+    ("make", "shapes"), [(HemiCNN, live_hemicnn.SHAPES), (Grouplet, live_grouplet.SHAPES)]
+)
+def test_shapes_are_those_of_the_module(make, shapes):
+    assert {name: tuple(t.shape) for name, t in make().state_dict().items()} == shapes
+
+
+@pytest.mark.parametrize("voxels", [1, 25, 60])
+def test_hemicnn_is_pytorchs(voxels):
+    module, tensors = random_weights(HemiCNN())
+    images = hemisphere_images(SURFACE, choose_voxels(SURFACE, voxels))
+    with torch.inference_mode():
+        expected = module(torch.from_numpy(images)[None])[0].numpy()
+    np.testing.assert_allclose(LiveHemiCNN(tensors).evaluate(images), expected, atol=1e-5)
+
+
+@pytest.mark.parametrize("voxels", [1, 20, 354])
+@pytest.mark.parametrize("nodes", [1, 3, NODES_PER_VOXEL])
+def test_grouplet_is_pytorchs(voxels, nodes):
+    module, tensors = random_weights(Grouplet())
+    drawn = draw_grouplets(SURFACE, choose_voxels(SURFACE, voxels), 3, nodes)
+    with torch.inference_mode():
+        inputs = torch.from_numpy(drawn.branches), torch.from_numpy(drawn.normals)
+        expected = module(*(values[None] for values in inputs))[0].numpy()
+    np.testing.assert_allclose(LiveGrouplet(tensors, 1).evaluate(drawn), expected, atol=1e-5)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_shipped_weights_predict_what_pytorch_predicts(model):
+    predictor = Predictor(model)
+    choice = MODELS[model]
+    tensors, _, _ = load_weights(SHIPPED / choice.file)
+    voxels = choose_voxels(SURFACE, choice.voxels)
+    np.testing.assert_allclose(
+        predictor.network.scores(SURFACE, voxels),
+        TorchNetwork(choice.network, tensors, "cpu").scores(SURFACE, voxels),
+        atol=1e-5,
+    )
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.skipif(not torch.cuda.is_available(), reason="PyTorch finds no CUDA device here")
+def test_cuda_predicts_what_the_cpu_predicts(model):
+    cpu, cuda = Predictor(model), Predictor(model, device="cuda")
+    np.testing.assert_allclose(
+        cuda.predict(SURFACE).ward, cpu.predict(SURFACE).ward, rtol=1e-4, atol=1e-5
+    )
+    np.testing.assert_array_equal(cuda.predict(SURFACE).ward, cuda.predict(SURFACE).ward)
+
+
+@pytest.mark.skipif(torch.cuda.is_available(), reason="PyTorch finds a CUDA device here")
+def test_cuda_where_there_is_none_is_refused_with_the_knob():
+    with pytest.raises(DeviceError, match=r"estimation\.device is cuda.*no CUDA device.*cpu"):
+        Predictor("hemicnn", device="cuda")
+
+
+def test_cuda_without_pytorch_is_refused_with_the_knob(monkeypatch):
+    monkeypatch.setitem(sys.modules, "torch", None)
+    with pytest.raises(DeviceError, match=r"estimation\.device cuda needs PyTorch.*training"):
+        Predictor("hemicnn", device="cuda")
+
+
+def test_the_number_of_threads_changes_no_bit():
+    drawn = draw_grouplets(SURFACE, choose_voxels(SURFACE, 354), 0)
+    tensors, _, _ = load_weights(SHIPPED / "grouplet.safetensors")
+    one, many = (LiveGrouplet(tensors, threads) for threads in (1, 3))
+    expected = one.evaluate(drawn)
+    for network in (one, many, many):
+        np.testing.assert_array_equal(network.evaluate(drawn), expected)
+
+
+def test_a_thread_that_fails_is_heard_of():
+    def work(worker):
+        if worker == 1:
+            raise ValueError("worker 1")
+
+    with pytest.raises(ValueError, match="worker 1"):
+        run_in_threads(work, 2)
+
+
+def test_pairs_of_observation_and_place_are_distinct_and_rebuild_the_nodes():
+    members = np.random.default_rng(0).integers(0, 7, (40, 5)).astype(np.int32)
+    rows, ends, summands = observations_by_place(members, 7)
+    np.testing.assert_array_equal(rows[summands], members)
+    for place in range(5):
+        part = rows[ends[place] : ends[place + 1]]
+        assert part.tolist() == sorted(set(members[:, place].tolist()))
+        assert (summands[:, place] >= ends[place]).all()
+        assert (summands[:, place] < ends[place + 1]).all()
+
+
+def test_estimating_imports_neither_pytorch_nor_what_trains():
+    script = (
+        "import sys\n"
+        "from reflest_core.cli.replay_run import replay\n"
+        "from reflest_core.models.predictor import Predictor\n"
+        "Predictor('grouplet-slow')\n"
+        "heavy = {'torch', 'mitsuba', 'dask', 'matplotlib', 'onnxruntime'}\n"
+        "print(sorted(heavy & set(sys.modules)))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "[]"
