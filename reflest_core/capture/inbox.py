@@ -72,7 +72,7 @@ class Inbox:
         self._clock.reset()
         for role in (*self.queues, *self.infos):
             self._forget(role)
-        self._transforms.forget_moving()
+        self._transforms.forget_after(0)
 
     def _is_next(self, role: Role, stamp_ns: int) -> bool:
         """Judge a stamp; refuse it, or make room for it where time went back."""
@@ -89,14 +89,14 @@ class Inbox:
             self._refuse(self._refusals.was_ahead(role, latest, stamp_ns))
             self._refuse_waiting(role)
         elif verdict is StampVerdict.CLOCK_JUMPED:
-            self._restart(self._refusals.clock_jump(role, latest, stamp_ns, self._jump))
+            self._restart(self._refusals.clock_jump(role, latest, stamp_ns, self._jump), stamp_ns)
         return verdict not in (StampVerdict.LATE, StampVerdict.BEFORE_JUMP)
 
-    def _restart(self, jump: FrameRefused) -> None:
+    def _restart(self, jump: FrameRefused, stamp_ns: int) -> None:
         self._refuse(jump)
         for role in (*self.queues, *self.infos):
             self._refuse_waiting(role)
-        self._transforms.forget_moving()
+        self._transforms.forget_after(stamp_ns + round(self._jump * 1e9))
         self._on_clock_jump(str(jump))
 
     def _refuse_waiting(self, role: Role) -> None:

@@ -139,18 +139,27 @@ class Matcher:
         return cast(AnyImage, image)
 
     def _shorten(self, role: Role) -> list[Match]:
-        """Drop the oldest message of a queue that is too long, and say what it waits for."""
+        """Give the oldest up where too many messages wait, and say what they wait for."""
         if role in (Role.TF, Role.TF_STATIC):
             return []
         is_pose = role is Role.POSE
         size = self._settings.pose_queue_size if is_pose else self._settings.queue_size
-        waiting = self._inbox.waiting(role)
-        if len(waiting) <= size:
-            return []
+        waiting, colours = self._inbox.waiting(role), self._inbox.queues[Role.RGB]
+        matches: list[Match] = []
+        while len(waiting) > size:
+            if role is not Role.RGB and len(colours) > 0:
+                waiting.forget_before(colours.oldest.stamp_ns)
+            if len(waiting) > size:
+                # Partners of colour images wait because the images do.
+                stuck = Role.RGB if len(colours) > 0 else role
+                matches += self._give_up_oldest(stuck, size)
+        return matches
+
+    def _give_up_oldest(self, role: Role, size: int) -> list[Match]:
         refusal = self._overflowed(role, size)
         if refusal is None:
             return self._match_oldest()
-        waiting.pop_oldest()
+        self._inbox.waiting(role).pop_oldest()
         self._refuse(refusal)
         return []
 

@@ -18,15 +18,17 @@ class StampVerdict(enum.Enum):
 
 
 class StampClock:
-    """Remembers how far each topic has come. ``jump``: the least step back that is no lateness.
+    """Remembers how far each topic has come. ``jump``: the least step back, s, that is no lateness.
 
-    After a jump, topics that have not followed yet still deliver some messages of before it.
+    One stamp far back may be a mistake, two that agree are a jump. After it, topics that have not
+    followed yet still deliver some messages of before it.
     """
 
     def __init__(self, jump: float) -> None:
         self._jump_ns = round(jump * 1e9)
         self._latest: dict[Role, int] = {}
         self._before_jump: dict[Role, int] = {}
+        self._suspect: tuple[Role, int] | None = None
 
     def latest(self, role: Role) -> int | None:
         """The last stamp that was taken on a topic, ns."""
@@ -34,17 +36,19 @@ class StampClock:
 
     def reset(self) -> None:
         """Forget every stamp: any may come next."""
-        self._latest, self._before_jump = {}, {}
+        self._latest, self._before_jump, self._suspect = {}, {}, None
 
     def take(self, role: Role, stamp_ns: int) -> StampVerdict:
         """Judge the next stamp of a topic and remember it unless it is refused."""
         verdict = self._judge(role, stamp_ns)
         if verdict is StampVerdict.CLOCK_JUMPED:
             self._before_jump = self._latest
-            self._latest = {}
+            self._latest, self._suspect = {}, None
         if verdict not in (StampVerdict.LATE, StampVerdict.BEFORE_JUMP):
             self._before_jump.pop(role, None)
             self._latest[role] = stamp_ns
+            if self._suspect is not None and self._suspect[0] is role:
+                self._suspect = None
         return verdict
 
     def _judge(self, role: Role, stamp_ns: int) -> StampVerdict:
@@ -56,9 +60,18 @@ class StampClock:
         if stamp_ns > latest - self._jump_ns:
             return StampVerdict.LATE
         others = [other for known, other in self._latest.items() if known is not role]
-        if any(other > stamp_ns + self._jump_ns for other in others):
+        if not any(other > stamp_ns + self._jump_ns for other in others):
+            return StampVerdict.TOPIC_WAS_AHEAD
+        if self._is_confirmed(role, stamp_ns):
             return StampVerdict.CLOCK_JUMPED
-        return StampVerdict.TOPIC_WAS_AHEAD
+        self._suspect = (role, stamp_ns)
+        return StampVerdict.LATE
+
+    def _is_confirmed(self, role: Role, stamp_ns: int) -> bool:
+        """Whether an earlier stamp far back agrees with this one."""
+        if self._suspect is None or abs(stamp_ns - self._suspect[1]) >= self._jump_ns:
+            return False
+        return role is not self._suspect[0] or stamp_ns > self._suspect[1]
 
     def _is_of_before_jump(self, role: Role, stamp_ns: int) -> bool:
         before = self._before_jump.get(role)

@@ -38,9 +38,13 @@ class TransformBuffer:
                 refusals.append(refusal)
         return refusals
 
-    def forget_moving(self) -> None:
-        """Forget all but the static transforms, as after a clock jump."""
-        self._tracks = {name: track for name, track in self._tracks.items() if track.is_static}
+    def forget_after(self, stamp_ns: int) -> None:
+        """Forget what moves and has come past a stamp, as after a clock jump."""
+        self._tracks = {
+            name: track
+            for name, track in self._tracks.items()
+            if track.is_static or not track.has_reached(stamp_ns)
+        }
 
     def has_reached(self, target: str, source: str, stamp_ns: int) -> bool:
         """Whether no later message can change :meth:`matrix`."""

@@ -295,3 +295,24 @@ def test_repeated_calibration_takes_no_room(count):
     for stamp in range(10 * count):
         rig.add(Role.CAMERA_INFO, replace(info(), stamp_ns=stamp))
     assert rig.causes == {}
+
+
+def test_depth_that_piles_up_because_poses_lag_does_not_blame_colour():
+    rig = Rig(queue_size=4)
+    rig.add(Role.CAMERA_INFO, info())
+    rig.add(Role.POSE, pose(0))
+    for stamp in range(10, 80, 10):
+        rig.add(Role.RGB, image(stamp))
+        rig.add(Role.DEPTH, image(stamp - 3), image(stamp))
+    assert set(rig.causes) == {RefusalCause.QUEUE_FULL}
+    assert "/pose (pose) has only come as far" in rig.log.first_message[RefusalCause.QUEUE_FULL]
+
+
+def test_an_image_is_given_up_when_colour_is_far_ahead_of_it():
+    rig = Rig(max_wait=0.5)
+    rig.add(Role.CAMERA_INFO, info())
+    rig.add(Role.POSE, pose(100), pose(900))
+    rig.add(Role.RGB, image(100), image(600))
+    assert rig.causes == {}
+    rig.add(Role.RGB, image(601))
+    assert rig.causes == {RefusalCause.DEPTH_MISSING: 1}
