@@ -1,18 +1,20 @@
-"""Minibatches, made ahead of the optimiser in a second thread; each from its own seed."""
+"""Minibatches on the training device, made ahead of the optimiser; each from its own seed."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 import torch
 
-from reflest_core.features.voxel_choice import choose_voxels
-from reflest_core.models.network_kind import NETWORKS, FeatureDraw, Inputs
+from reflest_core.features.grouplets import BRANCHES
+from reflest_core.models.network_kind import Inputs
+from reflest_core.training.batched_grouplets import batched_grouplets
+from reflest_core.training.batched_hemispheres import batched_hemispheres
+from reflest_core.training.drawn_scenes import DrawnScenes, SceneDrawer
 from reflest_core.training.recipe import Recipe
-from reflest_core.training.sample import Sample
 
 AHEAD = 4
 
@@ -27,44 +29,63 @@ class Batch:
     background: torch.Tensor
 
 
-def draw_batch(samples: list[Sample], recipe: Recipe, minibatch: int) -> Batch:
-    """Minibatch number ``minibatch``; the same number gives the same batch."""
-    rng = np.random.default_rng([recipe.seed, minibatch])
-    chosen = rng.integers(0, len(samples), recipe.batch_size)
-    return stack([_draw_sample(samples[index], recipe, rng) for index in chosen], recipe, rng)
+def draw_batch(drawer: SceneDrawer, recipe: Recipe, minibatch: int, part: int = 0) -> Batch:
+    """Part ``part`` of minibatch number ``minibatch``; the same numbers give the same batch."""
+    seed = np.random.SeedSequence([recipe.seed, minibatch, part]).generate_state(1)[0]
+    generator = torch.Generator(drawer.device).manual_seed(int(seed))
+    drawn = drawer.draw(recipe.batch_size, recipe.voxels, generator)
+    ward = drawer.packed.ward[drawn.scenes]
+    return Batch(
+        _inputs(drawer, drawn, recipe, generator),
+        torch.cat([drawn.swap(ward[:, :3]), ward[:, 3:]], dim=1),
+        drawn.swap(drawer.view_means(drawer.packed.foreground, drawn.scenes)),
+        drawn.swap(drawer.view_means(drawer.packed.background, drawn.scenes)),
+    )
 
 
-def stack(samples: list[Sample], recipe: Recipe, rng: np.random.Generator) -> Batch:
-    """Features of every sample at ``recipe.voxels`` voxels, stacked."""
-    kind = NETWORKS[recipe.network]
-    turn = recipe.augmentation.azimuth
-    features = []
-    for sample in samples:
-        # Where fewer voxels were seen, some stand in twice.
-        voxels = np.resize(choose_voxels(sample.surface, recipe.voxels), recipe.voxels)
-        draw = FeatureDraw(
-            int(rng.integers(2**31)), float(rng.uniform(-turn, turn)), recipe.nodes_per_voxel
-        )
-        features.append(kind.features(sample.surface, voxels, draw))
-    inputs = tuple(torch.stack(column) for column in zip(*features, strict=True))
-    ward = torch.from_numpy(np.stack([sample.ward for sample in samples])).float()
-    foreground = np.stack([sample.surface.view_foreground for sample in samples])
-    background = np.stack([sample.surface.view_background for sample in samples])
-    return Batch(inputs, ward, torch.from_numpy(foreground), torch.from_numpy(background))
+def joined(parts: Sequence[Batch]) -> Batch:
+    """One batch of all the scenes of ``parts``."""
+    if len(parts) == 1:
+        return parts[0]
+    return Batch(
+        tuple(torch.cat(column) for column in zip(*(part.inputs for part in parts), strict=True)),
+        torch.cat([part.ward for part in parts]),
+        torch.cat([part.foreground for part in parts]),
+        torch.cat([part.background for part in parts]),
+    )
 
 
-def batches(samples: list[Sample], recipe: Recipe, first: int) -> Iterator[Batch]:
-    """Minibatches from number ``first`` to the recipe's last, prepared ahead."""
+def batches(
+    drawer: SceneDrawer, recipe: Recipe, first: int, parts: Sequence[int] = (0,)
+) -> Iterator[Batch]:
+    """The given ``parts`` of the minibatches from number ``first`` to the recipe's last.
+
+    On a CPU a second thread prepares them; a GPU's queue of kernels is ahead by itself.
+    """
+
+    def draw(minibatch: int) -> Batch:
+        return joined([draw_batch(drawer, recipe, minibatch, part) for part in parts])
+
+    if drawer.device.type != "cpu":
+        yield from map(draw, range(first, recipe.minibatches))
+        return
     with ThreadPoolExecutor(1) as pool:
         waiting: list[Future[Batch]] = []
         upcoming = iter(range(first, recipe.minibatches))
         for _ in range(first, recipe.minibatches):
             while len(waiting) < AHEAD and (minibatch := next(upcoming, None)) is not None:
-                waiting.append(pool.submit(draw_batch, samples, recipe, minibatch))
+                waiting.append(pool.submit(draw, minibatch))
             yield waiting.pop(0).result()
 
 
-def _draw_sample(sample: Sample, recipe: Recipe, rng: np.random.Generator) -> Sample:
-    """A varied copy with at least one observed voxel; the scene itself if chance left none."""
-    varied = recipe.augmentation.apply(sample, rng)
-    return varied if len(varied.surface.colours) else sample
+def _inputs(
+    drawer: SceneDrawer, drawn: DrawnScenes, recipe: Recipe, generator: torch.Generator
+) -> Inputs:
+    scenes, voxels = drawn.voxels.shape
+    if recipe.network == "hemicnn":
+        turn = recipe.augmentation.azimuth
+        azimuths = turn * (2 * torch.rand(scenes, generator=generator, device=drawer.device) - 1)
+        return (batched_hemispheres(drawer.packed, drawn, azimuths),)
+    shape = (scenes, voxels, recipe.nodes_per_voxel, BRANCHES)
+    uniform = torch.rand(shape, generator=generator, device=drawer.device)
+    return batched_grouplets(drawer.packed, drawn, uniform)

@@ -12,16 +12,21 @@ import torch
 
 from reflest_core.training.recipe import Recipe
 from reflest_core.training.sample import TrainingError
+from reflest_core.training.weight_average import Weights
 
 
 @dataclass
 class Checkpoint:
-    """``minibatch``: how many are done. ``best``: weights of the lowest validation RMSE."""
+    """``minibatch``: how many are done. ``average``: the running mean of the weights.
+
+    ``best``: the running mean that had the lowest validation RMSE, ``best_rmse``.
+    """
 
     minibatch: int
-    module: dict[str, torch.Tensor]
+    module: Weights
     optimiser: dict[str, Any]
-    best: dict[str, torch.Tensor]
+    average: Weights
+    best: Weights
     best_rmse: float
 
 
@@ -32,12 +37,12 @@ def save_checkpoint(path: Path, checkpoint: Checkpoint, recipe: Recipe) -> None:
     os.replace(temporary, path)
 
 
-def load_checkpoint(path: Path, recipe: Recipe) -> Checkpoint | None:
+def load_checkpoint(path: Path, recipe: Recipe, device: torch.device) -> Checkpoint | None:
     """The checkpoint at ``path``, or None; :class:`TrainingError` if it is of another recipe."""
     if not path.exists():
         return None
     try:
-        stored = torch.load(path, weights_only=True)
+        stored = torch.load(path, weights_only=True, map_location=device)
     except (RuntimeError, EOFError, OSError, pickle.UnpicklingError) as error:
         raise TrainingError(f"{path} is damaged ({error}); delete it to start again") from error
     if stored.pop("recipe") != recipe.describe():

@@ -19,11 +19,17 @@ SMALLEST_ALPHA = 0.01
 class Objective:
     """The recipe's loss, with the training set's statistics."""
 
-    def __init__(self, recipe: Recipe, statistics: ParameterStatistics) -> None:
+    def __init__(
+        self, recipe: Recipe, statistics: ParameterStatistics, device: torch.device
+    ) -> None:
         self.recipe = recipe
-        self.mean = torch.from_numpy(statistics.mean.astype(np.float32))
-        self.stddev = torch.from_numpy(statistics.stddev.astype(np.float32))
-        self.quadrature = HalfAngleQuadrature.make()
+        self.mean = torch.from_numpy(statistics.mean.astype(np.float32)).to(device)
+        self.stddev = torch.from_numpy(statistics.stddev.astype(np.float32)).to(device)
+        self.least = torch.tensor([-torch.inf] * 4 + [SMALLEST_ALPHA], device=device)
+        made = HalfAngleQuadrature.make()
+        self.quadrature = HalfAngleQuadrature(
+            made.omega_i.to(device), made.omega_o.to(device), made.weights.to(device)
+        )
 
     def __call__(self, scores: torch.Tensor, batch: Batch) -> torch.Tensor:
         """Mean of J over the batch; ``scores`` (B, 5) are the network's outputs."""
@@ -37,9 +43,8 @@ class Objective:
 
     def _data_loss(self, scores: torch.Tensor, truth: torch.Tensor) -> torch.Tensor:
         if self.recipe.loss == "cuberoot":
-            alpha_floor = torch.tensor([-torch.inf] * 4 + [SMALLEST_ALPHA])
-            estimate = torch.maximum(self._as_ward(scores), alpha_floor)
-            return cube_root(estimate, torch.maximum(truth, alpha_floor), self.quadrature)
+            estimate = torch.maximum(self._as_ward(scores), self.least)
+            return cube_root(estimate, torch.maximum(truth, self.least), self.quadrature)
         parameters = ward_to_labcd(truth) if self.recipe.parameters == "labcd" else truth
         return parameter_distance(scores, (parameters - self.mean) / self.stddev)
 

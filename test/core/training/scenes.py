@@ -1,7 +1,12 @@
 """Scenes whose colours simply are the material, so that a network can learn them in a moment."""
 
+import json
+
 import numpy as np
 
+from reflest_core.brdf.parameters import WardParameters
+from reflest_core.synbrdf.scene_file import MANIFEST, SynbrdfScene, save_shard
+from reflest_core.synbrdf.thumbnails import Thumbnails
 from reflest_core.training.sample import Sample
 from test.core.surfaces import sphere_surface
 
@@ -15,3 +20,36 @@ def learnable_samples(count, seed):
         surface.colours[:] = np.round(ward[:3] * 255)
         samples.append(Sample(surface, ward))
     return samples
+
+
+def write_synbrdf(folder, **counts):
+    """A data folder with so many learnable scenes of each split."""
+    folder.mkdir(parents=True, exist_ok=True)
+    described = {"seed": 7, "environments": ["sunny", "dim"], "meshes": []}
+    (folder / MANIFEST).write_text(json.dumps(described))
+    for number, (split, count) in enumerate(counts.items()):
+        samples = learnable_samples(count, number)
+        scenes = [stored_scene(sample, split, index) for index, sample in enumerate(samples)]
+        save_shard(folder / f"{split}-00000.safetensors", scenes)
+    return folder
+
+
+def stored_scene(sample, split, index):
+    views = len(sample.surface.view_centres)
+    return SynbrdfScene(
+        surface=sample.surface,
+        truth=WardParameters(tuple(sample.ward[:3].tolist()), *sample.ward[3:].tolist()),
+        split=split,
+        index=index,
+        environment=("sunny", "dim")[index % 2],
+        environment_rotation=0.0,
+        shape="sphere",
+        view_pattern="sphere",
+        exposure=1.0,
+        radiance=(sample.surface.colours / 255).astype(np.float16),
+        thumbnails=Thumbnails(
+            rgbe=np.full((views, 6, 8, 4), 128, np.uint8),
+            is_object=np.zeros((views, 6, 8), np.bool_),
+            T_world_camera=np.tile(np.eye(4, dtype=np.float32), (views, 1, 1)),
+        ),
+    )

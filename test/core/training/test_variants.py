@@ -1,0 +1,59 @@
+"""The seven variants of Table 2, and the command that trains them."""
+
+import pytest
+
+from reflest_core.cli.main import main
+from reflest_core.models.weights import load_weights
+from reflest_core.training.variants import VARIANTS, variant_named
+from test.core.training.scenes import write_synbrdf
+
+QUICK = [
+    "--device", "cpu", "--threads", "1", "--minibatches", "3", "--batch-size", "2",
+    "--voxels", "4", "--nodes-per-voxel", "2",
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    return write_synbrdf(tmp_path_factory.mktemp("data"), train=8, validation=3)
+
+
+def test_the_seven_are_those_of_table_2():
+    what = [(v.network, v.loss, v.colour_constancy > 0) for v in VARIANTS]
+    assert what == [
+        ("grouplet", "rmse1", True), ("grouplet", "rmse1", False), ("hemicnn", "rmse2", False),
+        ("hemicnn", "cuberoot", False), ("hemicnn", "rmse1", False), ("hemicnn", "cuberoot", True),
+        ("grouplet", "rmse2", False),
+    ]  # fmt: skip
+    assert variant_named("grouplet-rmse1-ec").colour_constancy == 0.01
+    assert len({variant.file_name for variant in VARIANTS}) == 7
+
+
+def test_all_variants_are_trained_one_after_another(tmp_path, data, capsys):
+    assert main(["train", str(data), "--all", "--out", str(tmp_path), *QUICK]) == 0
+    for variant in VARIANTS:
+        _, card, _ = load_weights(tmp_path / variant.name / variant.file_name)
+        assert card.network == variant.network
+        assert card.recipe["loss"] == variant.loss
+        assert card.recipe["colour_constancy"] == variant.colour_constancy
+        assert card.recipe["data"]["train"] == 8
+    assert capsys.readouterr().out.count("weights: ") == 7
+
+
+def test_one_variant_follows_its_recipe_but_for_what_is_given(tmp_path, data):
+    variant = variant_named("hemicnn-cuberoot-ec")
+    out = ["--variant", variant.name, "--out", str(tmp_path)]
+    assert main(["train", str(data), *out, *QUICK]) == 0
+    _, card, _ = load_weights(tmp_path / variant.file_name)
+    assert card.recipe["minibatches"] == 3
+    assert card.recipe["optimiser"] == variant.recipe().optimiser
+
+
+def test_an_unknown_variant_and_a_changed_loss_are_refused(tmp_path, data, capsys):
+    out = ["--out", str(tmp_path), *QUICK]
+    assert main(["train", str(data), "--variant", "grouplet-rmse3", *out]) == 2
+    assert (
+        "there is no variant 'grouplet-rmse3'; choose one of grouplet-" in capsys.readouterr().err
+    )
+    assert main(["train", str(data), "--all", "--loss", "rmse2", *out]) == 2
+    assert "--loss and --lambda go with --model" in capsys.readouterr().err
