@@ -14,7 +14,9 @@ unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH
 
 RUN_REQUIREMENTS := reflest_core/requirements.txt requirements/ros.txt requirements/build.txt \
 	requirements/demo.txt
-TEST_REQUIREMENTS := reflest_core/requirements-synbrdf.txt requirements/test.txt
+TEST_REQUIREMENTS := reflest_core/requirements-synbrdf.txt reflest_core/requirements-cluster.txt \
+	reflest_core/requirements-training.txt \
+	requirements/test.txt
 INTERFACES := CMakeLists.txt package.xml setup.py pyproject.toml $(wildcard msg/*.msg srv/*.srv)
 requirement_flags = $(foreach file,$(1),-r $(file))
 
