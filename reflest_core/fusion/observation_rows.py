@@ -217,8 +217,7 @@ def gather_observations(
     view_ids = np.empty(offsets[-1], np.uint16)
     for n in range(len(selected)):
         row = selected[n]
-        start = offsets[n]
-        for slot in range(rows.counts[row]):
-            colours[start + slot] = rows.colours[row, slot]
-            view_ids[start + slot] = rows.view_ids[row, slot]
+        first, last = offsets[n], offsets[n + 1]
+        colours[first:last] = rows.colours[row, : last - first]
+        view_ids[first:last] = rows.view_ids[row, : last - first]
     return colours, view_ids

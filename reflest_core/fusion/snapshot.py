@@ -7,18 +7,17 @@ import numpy as np
 from reflest_core.fusion.observation_rows import gather_observations
 from reflest_core.fusion.observation_store import ObservationStore
 from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.fusion.thinning import thinned
 from reflest_core.fusion.views import ViewTable
 
-MOST_VOXELS = 20_000
-"""A larger store is thinned evenly in the order of its rows, so that estimation costs no more."""
+MOST_VOXELS = 10_000
+"""A larger store is thinned, so that neither the copy nor an estimate from it costs more."""
 
 
 def observed_surface(store: ObservationStore, views: ViewTable) -> ObservedSurface:
-    """Copy the voxels that have observations; view indices are view ids."""
+    """Copy voxels that have observations, :data:`MOST_VOXELS` at most; view indices are view ids."""
     rows = store.rows
-    selected = np.flatnonzero(rows.counts[: store.count])
-    if len(selected) > MOST_VOXELS:
-        selected = selected[np.linspace(0, len(selected) - 1, MOST_VOXELS).astype(np.int64)]
+    selected = thinned(rows.counts[: store.count], MOST_VOXELS)
     offsets = np.zeros(len(selected) + 1, np.int64)
     np.cumsum(rows.counts[selected], out=offsets[1:], dtype=np.int64)
     colours, view_ids = gather_observations(rows, selected, offsets)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from reflest_core.jit import compiled
 
 LOOKED_AT = 16
-"""Voxels of each stretch that are compared at most."""
+"""Voxels that are compared at most to choose one."""
 
 
 @compiled
@@ -16,19 +16,16 @@ def thinned(counts: NDArray[np.integer], most: int) -> NDArray[np.int64]:
     """At most ``most`` indices of voxels with observations, rising, spread evenly over ``counts``.
 
     ``counts``: (V,) observations of each voxel. All observed voxels where V does not pass ``most``;
-    else the best observed one of each of ``most`` equal stretches, of which at most
-    :data:`LOOKED_AT` voxels are looked at, also spread evenly.
+    else the most often observed of the first :data:`LOOKED_AT` of each of ``most`` equal stretches.
     """
     stretches = min(most, len(counts))
     indices = np.empty(stretches, np.int64)
     found = 0
     for n in range(stretches):
         first = n * len(counts) // stretches
-        length = (n + 1) * len(counts) // stretches - first
-        looks = min(LOOKED_AT, length)
+        last = min((n + 1) * len(counts) // stretches, first + LOOKED_AT)
         best = first
-        for look in range(1, looks):
-            index = first + look * length // looks
+        for index in range(first + 1, last):
             if counts[index] > counts[best]:
                 best = index
         if counts[best] > 0:
