@@ -51,6 +51,11 @@ class SynbrdfScene:
 
 def save_shard(path: Path, scenes: list[SynbrdfScene]) -> None:
     """Write atomically; equal scenes give equal bytes."""
+    write_atomically(path, shard_bytes(scenes))
+
+
+def shard_bytes(scenes: list[SynbrdfScene]) -> bytes:
+    """A shard's file; equal scenes give equal bytes."""
     arrays: dict[str, NDArray[Any]] = {}
     cards = []
     for number, scene in enumerate(scenes):
@@ -63,9 +68,21 @@ def save_shard(path: Path, scenes: list[SynbrdfScene]) -> None:
         arrays[f"{number:03d}/T_world_camera"] = thumbnails.T_world_camera
         cards.append(_card(scene))
     metadata = {"format": FORMAT, "scenes": json.dumps(cards, sort_keys=True)}
+    return _with_sorted_header(save(arrays, metadata))
+
+
+def write_atomically(path: Path, data: bytes) -> None:
+    """Write ``path`` whole or not at all; :class:`SceneFileError` says why it cannot be."""
     temporary = path.with_suffix(".partial")
-    temporary.write_bytes(_with_sorted_header(save(arrays, metadata)))
-    os.replace(temporary, path)
+    try:
+        temporary.write_bytes(data)
+        os.replace(temporary, path)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        raise SceneFileError(
+            f"{path} cannot be written ({error.strerror}): make room or choose another --out, and "
+            "run the same command again"
+        ) from error
 
 
 def _with_sorted_header(data: bytes) -> bytes:

@@ -16,7 +16,7 @@ from reflest_core.synbrdf.environments import (
     procedural_skies,
     rotated,
 )
-from reflest_core.synbrdf.generate import SKIES
+from reflest_core.synbrdf.generation import SKIES
 from reflest_core.synbrdf.materials import draw_material
 from reflest_core.synbrdf.scene import Light
 from reflest_core.synbrdf.shapes.mesh import TriangleMesh

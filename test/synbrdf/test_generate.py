@@ -1,6 +1,8 @@
 """The data set on disk: the same bytes from the same seed, however the run went."""
 
+import dataclasses
 import json
+import resource
 import shutil
 
 import numpy as np
@@ -10,14 +12,21 @@ pytest.importorskip("mitsuba")
 
 from reflest_core.cli.main import main
 from reflest_core.synbrdf.exposure import expose
-from reflest_core.synbrdf.generate import Generation, generate, shard_tasks
+from reflest_core.synbrdf.generate import generate
+from reflest_core.synbrdf.generation import Generation, shard_tasks
+from reflest_core.synbrdf.process_pool import process_pool
+from reflest_core.synbrdf.realism.degrade import degrade
+from reflest_core.synbrdf.realism.settings import Effect, Realism
 from reflest_core.synbrdf.scene_file import (
     SceneFileError,
     load_scenes,
     load_shard,
     save_shard,
     sha256,
+    write_atomically,
 )
+from reflest_core.synbrdf.seeding import Purpose, generator
+from reflest_core.synbrdf.splits import Split
 
 SCENES = {"train": 2, "validation": 1, "unseen": 1}
 TINY = Generation(seed=5, scenes=SCENES, points=30, views=6, samples=4)
@@ -30,12 +39,12 @@ def hashes(folder):
 @pytest.fixture(scope="module")
 def generated(tmp_path_factory):
     folder = tmp_path_factory.mktemp("synbrdf") / "set"
-    generate(folder, TINY, jobs=1)
+    generate(folder, TINY, process_pool(1))
     return folder
 
 
 def test_two_processes_write_the_same_bytes(generated, tmp_path):
-    generate(tmp_path / "again", TINY, jobs=2)
+    generate(tmp_path / "again", TINY, process_pool(2))
     assert hashes(tmp_path / "again") == hashes(generated)
 
 
@@ -46,9 +55,27 @@ def test_a_killed_run_is_resumed_to_the_same_bytes(generated, tmp_path):
     lost.with_suffix(".partial").write_bytes(lost.read_bytes()[:1000])
     lost.unlink()
     kept = {path.name: path.stat().st_mtime_ns for path in folder.glob("unseen-*")}
-    generate(folder, TINY, jobs=1)
+    generate(folder, TINY, process_pool(1))
     assert hashes(folder) == hashes(generated)
     assert {path.name: path.stat().st_mtime_ns for path in folder.glob("unseen-*")} == kept
+
+
+def test_realism_at_generation_is_realism_afterwards(generated, tmp_path):
+    """Training degrades clean scenes as it goes; a generated degraded set is the same thing."""
+    realism = Realism.only([Effect.EXPOSURE, Effect.SENSOR, Effect.NORMALS])
+    scenes = {"train": 1, "validation": 0, "unseen": 1}
+    generate(
+        tmp_path / "real",
+        dataclasses.replace(TINY, scenes=scenes, realism=realism),
+        process_pool(1),
+    )
+    for split in ("train", "unseen"):
+        clean, real = (next(load_scenes(f, split)) for f in (generated, tmp_path / "real"))
+        expected = degrade(clean, realism, generator(TINY.seed, Split(split), 0, Purpose.REALISM))
+        for part in ("surface", "thumbnails"):
+            for name, array in vars(getattr(real, part)).items():
+                np.testing.assert_array_equal(array, getattr(getattr(expected, part), name))
+        assert not np.array_equal(real.surface.normals, clean.surface.normals)
 
 
 def test_scenes_come_back_whole(generated):
@@ -92,7 +119,7 @@ def test_another_code_is_not_mixed_in(generated, tmp_path):
     manifest = json.loads((folder / "manifest.json").read_text())
     (folder / "manifest.json").write_text(json.dumps({**manifest, "code": "other"}))
     with pytest.raises(SceneFileError, match="another code"):
-        generate(folder, TINY, jobs=1)
+        generate(folder, TINY, process_pool(1))
 
 
 def test_the_manifest_names_every_shard_with_its_hash(generated):
@@ -136,3 +163,15 @@ def test_a_damaged_shard_is_named(generated, tmp_path, damage):
 def test_a_folder_without_a_manifest_is_refused(tmp_path):
     with pytest.raises(SceneFileError, match=r"manifest\.json"):
         next(load_scenes(tmp_path, "train"))
+
+
+def test_a_full_disk_is_one_sentence_and_leaves_nothing(tmp_path):
+    """A limit on file sizes stands in for the disk: the same call fails in the same place."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+    try:
+        with pytest.raises(SceneFileError, match=r"train\.safetensors cannot be written"):
+            write_atomically(tmp_path / "train.safetensors", b"x" * 2000)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert list(tmp_path.iterdir()) == []

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reflest_core.synbrdf.environments import directions, procedural_skies
-from reflest_core.synbrdf.generate import Generation
+from reflest_core.synbrdf.generation import Generation
 from reflest_core.synbrdf.light_diversity import draw_diverse_light
 from reflest_core.synbrdf.procedural_room import procedural_room
 from reflest_core.synbrdf.procedural_sky import procedural_sky

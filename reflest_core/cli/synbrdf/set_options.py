@@ -1,0 +1,75 @@
+"""Options that say which data set is meant; the same ones give the same scenes everywhere."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from reflest_core.synbrdf.generation import Generation
+    from reflest_core.synbrdf.realism.settings import Realism
+
+
+def add_set_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options that :func:`generation_of` reads."""
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--train", type=int, default=4600, help="scenes")
+    parser.add_argument("--validation", type=int, default=400, help="scenes")
+    parser.add_argument("--unseen", type=int, default=400, help="scenes of unseen light and shape")
+    parser.add_argument("--views", type=int, default=100, help="views of a scene")
+    parser.add_argument(
+        "--environments", type=Path, help=".hdr, .exr or .npz files; default: procedural skies"
+    )
+    parser.add_argument("--meshes", type=Path, help=".obj, .ply or .npz; default: procedural only")
+    parser.add_argument(
+        "--lighting", choices=("natural", "diverse"), default="natural", help="of training scenes"
+    )
+    parser.add_argument(
+        "--without", nargs="*", default=[], metavar="NAME", help="environments to leave out"
+    )
+    add_realism_option(parser)
+
+
+def add_realism_option(parser: argparse.ArgumentParser) -> None:
+    """Add ``--realism``."""
+    parser.add_argument(
+        "--realism", nargs="*", metavar="EFFECT",
+        help="faults of real captures: exposure, white-balance, sensor, jpeg, depth, pose, "
+        "normals; all of them if none is named",
+    )  # fmt: skip
+
+
+def realism_of(arguments: argparse.Namespace) -> Realism | None:
+    """The faults that ``--realism`` names; None without it."""
+    from reflest_core.synbrdf.realism.settings import Realism, parse_effects
+
+    if arguments.realism is None:
+        return None
+    return Realism.only(parse_effects(arguments.realism or ["all"]))
+
+
+def generation_of(
+    arguments: argparse.Namespace, points: int = 400, samples: int = 64
+) -> Generation:
+    """The data set that the options name."""
+    from reflest_core.synbrdf.generation import Generation
+    from reflest_core.synbrdf.scene import Lighting
+
+    return Generation(
+        arguments.seed,
+        {split: getattr(arguments, split) for split in ("train", "validation", "unseen")},
+        points,
+        arguments.views,
+        samples,
+        _absolute(arguments.environments),
+        _absolute(arguments.meshes),
+        Lighting(arguments.lighting),
+        tuple(arguments.without),
+        realism_of(arguments),
+    )
+
+
+def _absolute(path: Path | None) -> Path | None:
+    """Workers elsewhere have other working directories."""
+    return None if path is None else path.absolute()

@@ -1,0 +1,110 @@
+"""What a data set is asked to be, and the shards that it is made of."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from reflest_core.synbrdf.environments import EnvironmentSource, find_environments, procedural_skies
+from reflest_core.synbrdf.realism.settings import Realism
+from reflest_core.synbrdf.scene import Lighting, Scene, draw_scene
+from reflest_core.synbrdf.scene_file import FORMAT
+from reflest_core.synbrdf.shapes.mesh_file import MeshSource, find_meshes
+from reflest_core.synbrdf.source_fingerprint import source_fingerprint
+from reflest_core.synbrdf.splits import Sources, Split, sources_of
+
+SHARD_SCENES = 20
+SKIES = 24
+"""Procedural environments, where no folder of environments is given."""
+PACKAGES = ("mitsuba", "drjit", "karellen-llvm-core", "numpy", "scipy", "scikit-image")
+"""Libraries whose versions may change the bytes."""
+
+
+@dataclass(frozen=True)
+class Generation:
+    """What ``reflest synbrdf generate`` was asked for; with the code it decides every byte.
+
+    ``without``: environments that neither train nor validation uses, kept to develop on.
+    ``realism``: the faults of real captures; None for perfect cameras and surfaces.
+    """
+
+    seed: int
+    scenes: dict[str, int]
+    points: int = 400
+    views: int = 100
+    samples: int = 64
+    environments: Path | None = None
+    meshes: Path | None = None
+    lighting: Lighting = Lighting.NATURAL
+    without: tuple[str, ...] = ()
+    realism: Realism | None = None
+
+    def sources(self, split: Split) -> Sources:
+        """The environments and meshes of one split."""
+        sources = sources_of(split, self._environments(), self._meshes(), self.seed)
+        kept = [source for source in sources.environments if source.name not in self.without]
+        return dataclasses.replace(sources, environments=kept)
+
+    def scene(self, split: Split, index: int) -> Scene:
+        """Draw scene ``index`` of ``split``."""
+        sources = self.sources(split)
+        return draw_scene(self.seed, split, index, sources, self.views, self.lighting)
+
+    def manifest(self) -> dict[str, Any]:
+        """What a resumed run must agree with."""
+        return {
+            "format": FORMAT,
+            "seed": self.seed,
+            "scenes": self.scenes,
+            "points": self.points,
+            "views": self.views,
+            "samples": self.samples,
+            "lighting": self.lighting.value,
+            "without": sorted(self.without),
+            "realism": None if self.realism is None else dataclasses.asdict(self.realism),
+            "environments": [source.name for source in self._environments()],
+            "meshes": [source.name for source in self._meshes()],
+            "versions": {name: version(name) for name in PACKAGES},
+            "code": source_fingerprint(),
+        }
+
+    def _environments(self) -> list[EnvironmentSource]:
+        if self.environments is None:
+            return procedural_skies(SKIES)
+        return find_environments(self.environments)
+
+    def _meshes(self) -> list[MeshSource]:
+        return [] if self.meshes is None else find_meshes(self.meshes)
+
+
+@dataclass(frozen=True)
+class ShardTask:
+    """Scenes ``first`` up to ``last`` of one split, in one file."""
+
+    split: Split
+    first: int
+    last: int
+
+    @property
+    def file_name(self) -> str:
+        """Such as ``train-00040.safetensors``, by the first scene."""
+        return f"{self.split.value}-{self.first:05d}.safetensors"
+
+    @property
+    def scenes(self) -> int:
+        """How many."""
+        return self.last - self.first
+
+
+def shard_tasks(generation: Generation) -> Iterator[ShardTask]:
+    """All shards, the splits interleaved, so that an unfinished set holds some of each."""
+    tasks = []
+    for name, count in generation.scenes.items():
+        for first in range(0, count, SHARD_SCENES):
+            last = min(first + SHARD_SCENES, count)
+            tasks.append((first / count, ShardTask(Split(name), first, last)))
+    yield from (task for _, task in sorted(tasks, key=lambda pair: pair[0]))

@@ -1,0 +1,84 @@
+"""The data set from a Dask cluster: two workers on this machine, the same bytes."""
+
+import pytest
+
+pytest.importorskip("mitsuba")
+pytest.importorskip("distributed")
+
+import distributed
+
+from reflest_core.cli.main import main
+from reflest_core.synbrdf.dask_cluster import dask_cluster
+from reflest_core.synbrdf.generate import GenerationError, generate, render_agreed
+from reflest_core.synbrdf.generation import Generation, ShardTask
+from reflest_core.synbrdf.process_pool import process_pool
+from reflest_core.synbrdf.scene_file import sha256
+from reflest_core.synbrdf.splits import Split
+
+GENERATION = Generation(
+    seed=11,
+    scenes={"train": 1, "validation": 1, "unseen": 1},
+    points=20,
+    views=4,
+    samples=4,
+)
+OPTIONS = ["--seed", "11", "--train", "1", "--validation", "1", "--unseen", "1"]
+OPTIONS += ["--points", "20", "--views", "4", "--samples", "4"]
+
+
+def hashes(folder):
+    return {path.name: sha256(path) for path in sorted(folder.iterdir())}
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    # Two threads each, which the lock about the renderer must put up with.
+    with distributed.LocalCluster(
+        n_workers=2,
+        threads_per_worker=2,
+        host="127.0.0.1",
+        dashboard_address="127.0.0.1:0",
+        memory_limit=None,
+    ) as running:
+        yield running
+
+
+def test_two_workers_write_the_bytes_of_the_process_pool(cluster, tmp_path):
+    address = cluster.scheduler_address
+    folder = str(tmp_path / "dask")
+    assert main(["synbrdf", "generate", "--out", folder, "--scheduler", address, *OPTIONS]) == 0
+    generate(tmp_path / "pool", GENERATION, process_pool(1))
+    expected = hashes(tmp_path / "pool")
+    assert len(expected) == 4
+    assert hashes(tmp_path / "dask") == expected
+    # It resumes as any run does.
+    (tmp_path / "dask" / "train-00000.safetensors").unlink()
+    generate(tmp_path / "dask", GENERATION, dask_cluster(address))
+    assert hashes(tmp_path / "dask") == expected
+
+
+def test_a_worker_with_other_code_is_refused(cluster, tmp_path):
+    other = {**GENERATION.manifest(), "code": "other"}
+    task = ShardTask(Split.TRAIN, 0, 1)
+    with (
+        dask_cluster(cluster.scheduler_address) as executor,
+        pytest.raises(GenerationError, match="a worker has another code"),
+    ):
+        executor.submit(render_agreed, GENERATION, other, task).result()
+
+
+def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path, capsys):
+    nowhere = ["--scheduler", "tcp://127.0.0.1:1"]
+    assert main(["synbrdf", "generate", "--out", str(tmp_path / "set"), *nowhere, *OPTIONS]) == 2
+    printed = capsys.readouterr().err
+    assert "no Dask scheduler answers at tcp://127.0.0.1:1" in printed
+    assert "Traceback" not in printed
+
+
+def test_a_scheduler_without_workers_is_refused(tmp_path, capsys):
+    with distributed.LocalCluster(
+        n_workers=0, host="127.0.0.1", dashboard_address="127.0.0.1:0"
+    ) as empty:
+        words = ["--out", str(tmp_path / "set"), "--scheduler", empty.scheduler_address, *OPTIONS]
+        assert main(["synbrdf", "generate", *words]) == 2
+    assert "has no workers" in capsys.readouterr().err
