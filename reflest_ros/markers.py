@@ -99,8 +99,10 @@ def _values(
     lowest, highest = surface.positions.min(axis=0), surface.positions.max(axis=0)
     size = float(np.linalg.norm(highest - lowest))
     marker.scale.z = float(np.clip(0.06 * size, 0.005, 0.5))
-    # Above the object by its own size, so that the lines stand clear of it.
-    at = (lowest + highest) / 2 + up / np.linalg.norm(up) * (0.5 * size + 3 * marker.scale.z)
+    # The lines, which are centred on this point, stand clear of the object's top.
+    upwards = up / np.linalg.norm(up)
+    height = float(np.abs(upwards) @ (highest - lowest)) / 2
+    at = (lowest + highest) / 2 + upwards * (height + 4 * marker.scale.z)
     marker.pose.position = _point(at)
     marker.pose.orientation.w = 1.0
     is_trusted = estimate is not None and not estimate.status

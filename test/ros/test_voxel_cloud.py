@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from sensor_msgs.msg import PointField
+from cloud_reader import colours, column
 from view_input import STAMP_NS, estimate, keyframe
 
 from reflest_core.rendering.voxel_colours import (
@@ -17,19 +17,6 @@ from reflest_core.rendering.voxel_colours import (
 )
 from reflest_ros.view_settings import VoxelSettings
 from reflest_ros.voxel_cloud import cloud_message
-
-
-def column(message, name):
-    """Read a field as a viewer does: by its offset and type out of the bytes."""
-    (field,) = (one for one in message.fields if one.name == name)
-    assert field.datatype == PointField.FLOAT32
-    rows = np.frombuffer(message.data, np.uint8).reshape(message.width, message.point_step)
-    return np.ascontiguousarray(rows[:, field.offset : field.offset + 4]).view("<f4")[:, 0]
-
-
-def colours(message):
-    bits = column(message, "rgb").view(np.uint32)
-    return np.stack([bits >> 16 & 255, bits >> 8 & 255, bits & 255], axis=-1)
 
 
 def test_points_are_the_voxels_in_the_world_frame():
