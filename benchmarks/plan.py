@@ -11,7 +11,8 @@ class Plan:
 
     ``frame_path``: frames through the whole path. ``peer_frames``: those that Open3D fuses too.
     ``memory_frames``: frames whose stages' memory is measured, untimed.
-    ``estimates``: of each model. ``voxel_sizes``: mm. ``store_voxels``: sizes of a store, at
+    ``estimates``: of each model; ``growth_estimates``: of each model and
+    size. ``voxel_sizes``: mm. ``store_voxels``: sizes of a store, at
     ``store_voxel_size`` mm. ``view_counts``: views of a scan. ``growth_frames``: for each voxel
     size, resolution and region. ``starts``: fresh processes that start up. ``live_seconds``: of the
     bag that is played to the node.
@@ -24,6 +25,7 @@ class Plan:
     peer_frames: int = 120
     memory_frames: int = 40
     estimates: int = 200
+    growth_estimates: int = 20
     growth_frames: int = 30
     voxel_sizes: tuple[float, ...] = (10.0, 5.0, 3.0)
     resolutions: tuple[tuple[int, int], ...] = ((320, 240), (640, 480), (1280, 720))
@@ -45,6 +47,7 @@ QUICK = Plan(
     peer_frames=20,
     memory_frames=10,
     estimates=40,
+    growth_estimates=5,
     growth_frames=8,
     store_voxels=(10_000, 100_000),
     view_counts=(10, 100),
@@ -59,6 +62,7 @@ TINY = Plan(
     peer_frames=3,
     memory_frames=3,
     estimates=2,
+    growth_estimates=2,
     growth_frames=4,
     voxel_sizes=(20.0, 10.0),
     resolutions=((80, 60), (160, 120)),

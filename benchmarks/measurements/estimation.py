@@ -18,16 +18,19 @@ from reflest_core.capture.open_capture import open_capture
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
 from reflest_core.features.voxel_choice import choose_voxels
-from reflest_core.models.network_kind import NETWORKS
-from reflest_core.models.predictor import FIXED_DRAW, MODELS
-from reflest_core.models.weights import SHIPPED, load_into, load_weights
+from reflest_core.models.model_choice import MODELS
+from reflest_core.models.network_kind import LIVE_DRAW, NETWORKS
+from reflest_core.models.weights import SHIPPED, load_weights
 
 WARM_UP = 3
 """Estimates before the first that counts."""
 
 
-def measure(capture: str, frames: int, estimates: int) -> dict[str, Any]:
-    """Scan the first ``frames``, then estimate ``estimates`` times with every model."""
+def measure(capture: str, frames: int, estimates: int, threads: int) -> dict[str, Any]:
+    """Scan the first ``frames``, then estimate ``estimates`` times with every model.
+
+    ``threads``: of the network.
+    """
     settings = table_settings()
     scanner = Scanner(settings)
     for frame in itertools.islice(open_capture(Path(capture)), frames):
@@ -35,7 +38,9 @@ def measure(capture: str, frames: int, estimates: int) -> dict[str, Any]:
     snapshot = scanner.snapshot()
     models = {}
     for model in MODELS:
-        scanner.estimator = Estimator(dataclasses.replace(settings.estimation, model=model))
+        scanner.estimator = Estimator(
+            dataclasses.replace(settings.estimation, model=model, threads=threads)
+        )
         models[model] = {
             "shipped": [dataclasses.asdict(one) for one in _shipped(scanner, snapshot, estimates)],
             "eager": [dataclasses.asdict(one) for one in _eager(model, snapshot, estimates)],
@@ -59,15 +64,15 @@ def _shipped(scanner: Scanner, snapshot: KeyframeSnapshot, count: int) -> list[T
 
 
 def _eager(model: str, snapshot: KeyframeSnapshot, count: int) -> list[Timing]:
-    """The network as a plain ``torch.nn.Module`` in float32, with the same features."""
+    """The network as the module that was trained, run by PyTorch on the same features."""
     choice = MODELS[model]
     kind = NETWORKS[choice.network]
-    path = SHIPPED / choice.file
+    tensors = load_weights(SHIPPED / choice.file)[0]
     module = kind.make()
-    load_into(module, load_weights(path)[0], path)
+    module.load_state_dict({name: torch.from_numpy(values) for name, values in tensors.items()})
     module.eval()
     voxels = choose_voxels(snapshot.surface, choice.voxels)
-    inputs = kind.features(snapshot.surface, voxels, FIXED_DRAW)
+    inputs = kind.features(snapshot.surface, voxels, LIVE_DRAW)
     clock = StageClock(())
     with torch.inference_mode():
         for number in range(WARM_UP + count):

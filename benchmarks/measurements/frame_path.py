@@ -19,12 +19,18 @@ from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.estimation.warm_up import warm_up
 
 
-def measure(capture: str, frames: int, memory_frames: int, is_table: bool) -> dict[str, Any]:
+def measure(
+    capture: str, frames: int, memory_frames: int, is_table: bool, threads: int
+) -> dict[str, Any]:
     """Time every stage over the first ``frames``, then note memory over ``memory_frames``.
 
-    ``is_table``: set the region of interest to the object on the table.
+    ``is_table``: set the region of interest to the object on the table. ``threads``: of the
+    network.
     """
     settings = table_settings() if is_table else ReflestSettings()
+    settings = dataclasses.replace(
+        settings, estimation=dataclasses.replace(settings.estimation, threads=threads)
+    )
     clock = StageClock(STAGES)
     scanner, fuse_ms = _scanned(Path(capture), frames, settings, clock)
     peak = peak_mb()

@@ -18,7 +18,7 @@ from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.estimation.warm_up import warm_up
 from reflest_core.fusion.settings import FusionSettings
-from reflest_core.models.predictor import MODELS
+from reflest_core.models.model_choice import MODELS
 
 BUDGET_MB = 2048.0
 """Enough that nothing is evicted."""

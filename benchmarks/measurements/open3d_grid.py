@@ -30,11 +30,13 @@ INTEGRATE, BLOCK_LIST = "integrate", "block list"
 IN_REGION = ", depth cut to the region"
 
 
-def measure(capture: str, frames: int, used: int, with_colour: bool) -> dict[str, Any]:
+def measure(
+    capture: str, frames: int, used: int, with_colour: bool, is_table: bool
+) -> dict[str, Any]:
     """Integrate ``used`` of the first ``frames``, evenly spread, at the default voxel size.
 
-    Open3D knows no region of interest: it fuses all depth up to ``max_depth``. A second grid gets
-    the same frames with depth outside the table's region set to 0.
+    Open3D knows no region of interest: it fuses all depth up to ``max_depth``. For the table, a
+    second grid gets the same frames with depth outside the region set to 0.
     """
     settings = table_settings()
     whole, cut = (_Grid(settings.fusion, with_colour) for _ in range(2))
@@ -44,8 +46,11 @@ def measure(capture: str, frames: int, used: int, with_colour: bool) -> dict[str
     stride = max(frames // used, 1)
     for frame in itertools.islice(open_capture(Path(capture)), 0, stride * used, stride):
         depth = np.rint(frame.depth * DEPTH_SCALE).astype(np.uint16)
-        inside = classify_pixels(frame, region, settings.fusion).foreground
-        for grid, image, suffix in ((whole, depth, ""), (cut, depth * inside, IN_REGION)):
+        fused = [(whole, depth, "")]
+        if is_table:
+            inside = classify_pixels(frame, region, settings.fusion).foreground
+            fused.append((cut, depth * inside, IN_REGION))
+        for grid, image, suffix in fused:
             listing, integration = grid.integrate(frame, image)
             seconds[BLOCK_LIST + suffix].append(listing)
             seconds[INTEGRATE + suffix].append(integration)

@@ -47,13 +47,13 @@ FUSION_STAGES = (
 )
 ESTIMATION_STAGES = (
     Stage("voxel choice", ("reflest_core.models.predictor:choose_voxels",)),
-    Stage("hemisphere images", ("reflest_core.models.network_kind:hemisphere_images",)),
-    Stage("grouplets", ("reflest_core.models.network_kind:draw_grouplets",)),
+    Stage("hemisphere images", ("reflest_core.models.live_hemicnn:hemisphere_images",)),
+    Stage("grouplets", ("reflest_core.models.live_grouplet:draw_grouplets",)),
     Stage(
         NETWORK,
         (
-            "reflest_core.models.hemicnn:HemiCNN.forward",
-            "reflest_core.models.grouplet:Grouplet.forward",
+            "reflest_core.models.live_hemicnn:LiveHemiCNN.evaluate",
+            "reflest_core.models.live_grouplet:LiveGrouplet.evaluate",
         ),
     ),
     Stage("coverage", ("reflest_core.estimation.estimator:hemisphere_coverage",)),

@@ -27,19 +27,19 @@ class MeasurementFailed(ReflestError):
     """A measurement's process ended with an error, which it printed."""
 
 
-def measured(module: str, threads: int | None = None, **arguments: Any) -> dict[str, Any]:
+def measured(module: str, cores: int | None = None, **arguments: Any) -> dict[str, Any]:
     """What ``module.measure(**arguments)`` returns in a fresh process.
 
-    ``threads``: cores that the process may use, and threads that its libraries start; None leaves
+    ``cores``: cores that the process may use, and threads that its libraries start; None leaves
     both alone. ``arguments`` must fit into JSON.
     """
     environment = {**os.environ}
     command = [sys.executable, "-m", "benchmarks.measuring.fresh_process"]
-    if threads is not None:
-        environment |= dict.fromkeys(THREAD_VARIABLES, str(threads))
+    if cores is not None:
+        environment |= dict.fromkeys(THREAD_VARIABLES, str(cores))
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "result.json"
-        command += [module, json.dumps(arguments), str(out), str(threads or 0)]
+        command += [module, json.dumps(arguments), str(out), str(cores or 0)]
         done = subprocess.run(command, cwd=ROOT, env=environment)
         if done.returncode != 0:
             raise MeasurementFailed(f"{module} ended with exit code {done.returncode}")

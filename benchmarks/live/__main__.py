@@ -1,0 +1,43 @@
+"""``python -m benchmarks.live [--seconds 60] [--json OUT]``: the node at camera speed, alone."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from benchmarks.__main__ import default_cache
+from benchmarks.plan import FULL
+from benchmarks.report.sections import live_section
+from benchmarks.run import run_live
+from benchmarks.scene.recording import Recording, recorded
+from reflest_core.cli.json_file import check_writable, write_json
+from reflest_core.errors import ReflestError
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Play, print the table; 2 with one sentence where that fails."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.live", description=__doc__)
+    parser.add_argument("--seconds", type=float, default=FULL.live_seconds)
+    parser.add_argument("--rate", type=float, default=FULL.rate, help="frames a second")
+    parser.add_argument("--cache", type=Path, default=default_cache(), help="for recordings")
+    parser.add_argument("--json", type=Path, metavar="OUT", help="write the figures as JSON")
+    options = parser.parse_args(arguments)
+    recording = Recording(*FULL.resolution, round(options.seconds * options.rate), options.rate)
+    try:
+        if options.json is not None:
+            check_writable(options.json)
+        live = run_live(recording, str(recorded(recording, options.cache)))
+        if options.json is not None:
+            write_json(options.json, live)
+    except ReflestError as error:
+        print(f"reflest: error: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    print(live_section({"live": live}))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

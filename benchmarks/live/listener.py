@@ -1,0 +1,70 @@
+"""The other side of the node: collects every estimate and the latest diagnostics."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from reflest_core.errors import ReflestError
+from reflest_ros.msg import BrdfEstimate
+
+ESTIMATES_KEPT = 1000
+
+
+class LiveRunFailed(ReflestError):
+    """A process of the live run ended early or did not do what it should in time."""
+
+
+class Listener:
+    """``latencies``: seconds from a keyframe image's arrival to its estimate's publication.
+
+    ``diagnostics``: the node's latest values; ``diagnostics_count``: how often they came.
+    """
+
+    def __init__(self) -> None:
+        self.latencies: list[float] = []
+        self.diagnostics: dict[str, str] = {}
+        self.diagnostics_count = 0
+        self._context = Context()
+        rclpy.init(context=self._context)
+        self._node = rclpy.create_node("reflest_benchmark", context=self._context)
+        qos = QoSProfile(
+            depth=ESTIMATES_KEPT,
+            reliability=ReliabilityPolicy.RELIABLE,
+            durability=DurabilityPolicy.TRANSIENT_LOCAL,
+        )
+        self._node.create_subscription(BrdfEstimate, "/reflectance/brdf", self._on_estimate, qos)
+        self._node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+
+    def listen_until(self, is_true: Callable[[], bool], limit: float, what: str) -> None:
+        """Take messages until ``is_true``; :class:`LiveRunFailed` after ``limit`` seconds."""
+        deadline = time.monotonic() + limit
+        while not is_true():
+            if time.monotonic() > deadline:
+                raise LiveRunFailed(f"{what} did not come to pass within {limit:g} s")
+            self._executor.spin_once(timeout_sec=0.1)
+
+    def has_subscriber(self, topic: str) -> bool:
+        """Whether some node subscribes to ``topic``."""
+        return bool(self._node.count_subscribers(topic) > 0)
+
+    def close(self) -> None:
+        """Leave the graph."""
+        self._executor.shutdown()
+        self._node.destroy_node()
+        self._context.try_shutdown()
+
+    def _on_estimate(self, message: BrdfEstimate) -> None:
+        self.latencies.append(message.latency)
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        self.diagnostics = {pair.key: pair.value for pair in message.status[0].values}
+        self.diagnostics_count += 1

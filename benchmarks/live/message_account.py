@@ -1,0 +1,48 @@
+"""What became of every frame that was played, from the node's own counters."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+from benchmarks.measuring.timing import Timing
+
+ROLES = ("rgb", "depth", "camera_info", "pose")
+REFUSED = "refused "
+OVERLOAD = ("queue_full",)
+"""Causes of a refusal that mean that the node was too slow."""
+
+
+def account(frames: int, diagnostics: Mapping[str, str], latencies: list[float]) -> dict[str, Any]:
+    """``frames``: played, each one message of every role. ``latencies``: seconds."""
+    received = {role: _count(diagnostics, f"messages {role}") for role in ROLES}
+    refused = {
+        name.removeprefix(REFUSED): int(value)
+        for name, value in diagnostics.items()
+        if name.startswith(REFUSED)
+    }
+    lost = {"on the way (DDS)": sum(frames - number for number in received.values())}
+    lost |= {cause: refused.get(cause, 0) for cause in OVERLOAD}
+    timing = Timing.of("estimate latency", latencies) if latencies else None
+    return {
+        "messages_sent": frames * len(ROLES),
+        "messages_received": sum(received.values()),
+        "frames_played": frames,
+        "frames_matched": _count(diagnostics, "frames matched"),
+        "frames_fused": _count(diagnostics, "frames fused"),
+        "frames_redundant": _count(diagnostics, "frames redundant"),
+        "lost_to_overload": lost,
+        "refused": refused,
+        "keyframes": _count(diagnostics, "keyframes"),
+        "keyframes_skipped": _count(diagnostics, "keyframes skipped"),
+        "estimates": len(latencies),
+        "latency": dataclasses.asdict(timing) if timing else None,
+        "voxels": _count(diagnostics, "voxels"),
+        "observations": _count(diagnostics, "observations"),
+        "views": _count(diagnostics, "views"),
+    }
+
+
+def _count(diagnostics: Mapping[str, str], name: str) -> int:
+    return int(diagnostics.get(name, "0"))

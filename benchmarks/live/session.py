@@ -1,0 +1,130 @@
+"""One live run: node and bag player as processes, and what became of every message."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from benchmarks.live.listener import Listener, LiveRunFailed
+from benchmarks.live.message_account import account
+from benchmarks.measurements.estimate_publisher import use_private_domain
+from benchmarks.measuring.machine import ROOT
+from benchmarks.measuring.resident_memory import peak_mb
+from benchmarks.scene.table_scene import REGION
+from reflest_core.synbrdf.bag_writer import RGB
+
+PROFILE = ROOT / "config" / "fastdds_large_messages.xml"
+START_LIMIT = 240.0
+"""Seconds; the first start after installation compiles."""
+SETTLE_LIMIT = 120.0
+"""Seconds after the bag's end in which the node must be through with it."""
+QUIET_DIAGNOSTICS = 3
+"""Unchanged diagnostics after which nothing more is coming."""
+CHANGING = ("messages", "frames", "keyframes", "estimates", "refused")
+"""Beginnings of the diagnostics that stand still when the node is through."""
+
+
+def measure(bag: str, frames: int, seconds: float) -> dict[str, Any]:
+    """Play ``bag`` at the speed of its stamps to a node with default settings.
+
+    The region of interest is that of the table scene. ``frames``, ``seconds``: of the bag.
+    """
+    use_private_domain()
+    os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(PROFILE))
+    listener = Listener()
+    try:
+        started = time.monotonic()
+        with _running(["-m", "reflest_ros.estimator", "--ros-args", *_region()]) as node:
+            ready = lambda: _is_alive(node) and listener.has_subscriber(RGB)  # noqa: E731
+            listener.listen_until(ready, START_LIMIT, "the estimator's start")
+            start_up = time.monotonic() - started
+            cpu_before = _cpu_seconds(node.pid)
+            _play(Path(bag), listener, node, seconds)
+            _wait_until_through(listener, node)
+            cores_used = (_cpu_seconds(node.pid) - cpu_before) / seconds
+            peak = peak_mb(node.pid)
+        if node.returncode != 0:
+            raise LiveRunFailed(f"the estimator ended with exit code {node.returncode}")
+    finally:
+        listener.close()
+    return {
+        "seconds": seconds,
+        "start_up_s": start_up,
+        **account(frames, listener.diagnostics, listener.latencies),
+        "peak_mb": peak,
+        "cores_used": cores_used,
+    }
+
+
+def _region() -> list[str]:
+    parameters = {
+        "region.shape": REGION.shape,
+        "region.centre": list(REGION.centre),
+        "region.size": list(REGION.size),
+    }
+    return [word for name, value in parameters.items() for word in ("-p", f"{name}:={value}")]
+
+
+def _play(bag: Path, listener: Listener, node: subprocess.Popen[bytes], seconds: float) -> None:
+    with _running(["-m", "reflest_ros.bag_player", str(bag)]) as player:
+        listener.listen_until(
+            lambda: _is_alive(node) and player.poll() is not None,
+            2.0 * seconds + START_LIMIT,
+            "the end of the bag",
+        )
+    if player.returncode != 0:
+        raise LiveRunFailed(f"the bag player ended with exit code {player.returncode}")
+
+
+def _wait_until_through(listener: Listener, node: subprocess.Popen[bytes]) -> None:
+    """Return once several diagnostics in a row have shown no progress."""
+    last: dict[str, str] = {}
+    seen = unchanged = 0
+
+    def is_through() -> bool:
+        nonlocal last, seen, unchanged
+        _is_alive(node)
+        if listener.diagnostics_count > seen:
+            seen = listener.diagnostics_count
+            values = listener.diagnostics
+            now = {name: value for name, value in values.items() if name.startswith(CHANGING)}
+            unchanged = unchanged + 1 if now == last else 0
+            last = now
+        return unchanged >= QUIET_DIAGNOSTICS and last != {}
+
+    listener.listen_until(is_through, SETTLE_LIMIT, "the estimate of the last frame")
+
+
+def _is_alive(process: subprocess.Popen[bytes]) -> bool:
+    if process.poll() is not None:
+        raise LiveRunFailed(f"the estimator ended with exit code {process.returncode}")
+    return True
+
+
+def _cpu_seconds(pid: int) -> float:
+    """Processor time that the process has used so far, all threads."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+@contextlib.contextmanager
+def _running(arguments: list[str]) -> Iterator[subprocess.Popen[bytes]]:
+    """A Python process for the block; SIGINT ends it, and what ignores that is killed."""
+    process = subprocess.Popen([sys.executable, *arguments], cwd=ROOT)
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+        try:
+            process.wait(20.0)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()

@@ -1,0 +1,1 @@
+"""What was measured as tables, a page and plots; nothing here is typed by hand."""

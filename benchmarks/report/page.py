@@ -1,0 +1,86 @@
+"""Writes results as JSON, page and plots, and renews the short table in docs/performance.md."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+from benchmarks.report import sections
+from benchmarks.report.plots import plot_estimates, plot_frames
+from reflest_core.cli.json_file import write_json
+from reflest_core.errors import ReflestError
+
+BEGIN, END = "<!-- written by make bench -->", "<!-- end of what make bench writes -->"
+FRAMES_PLOT, ESTIMATES_PLOT = "performance-frames.png", "performance-estimates.png"
+
+
+class GuideDamaged(ReflestError):
+    """docs/performance.md has lost the marks between which figures belong."""
+
+
+def write_page(results: dict[str, Any], docs: Path) -> Path:
+    """Write ``docs``/results and ``docs``/images; return the page.
+
+    ``docs``/performance.md, where there is one, gets the table of targets between its two marks.
+    """
+    for folder in (docs / "results", docs / "images"):
+        folder.mkdir(parents=True, exist_ok=True)
+    write_json(docs / "results" / "performance.json", results)
+    plot_frames(results, docs / "images" / FRAMES_PLOT)
+    plot_estimates(results, docs / "images" / ESTIMATES_PLOT)
+    page = docs / "results" / "performance.md"
+    page.write_text(page_text(results))
+    guide = docs / "performance.md"
+    if guide.exists():
+        guide.write_text(_renewed(guide.read_text(), results))
+    return page
+
+
+def page_text(results: dict[str, Any]) -> str:
+    """The page in Markdown."""
+    parts = [
+        "# Performance, as measured",
+        "Written by `make bench` (`python -m benchmarks`); the same figures in full are in "
+        "[performance.json](performance.json), and what to make of them in "
+        "[the guide](../performance.md). Milliseconds unless named otherwise.",
+        sections.machine_section(results),
+        "## Targets",
+        sections.targets_section(results),
+        "## Stages of the live path",
+        sections.stages_section(results),
+        "## Open3D's VoxelBlockGrid on the same frames",
+        sections.open3d_section(results),
+        "## Estimates",
+        sections.estimation_section(results),
+        "## Growth",
+        f"![cost of a frame](../images/{FRAMES_PLOT})",
+        f"![cost of an estimate](../images/{ESTIMATES_PLOT})",
+        sections.growth_section(results),
+        "## The node at camera speed",
+        sections.live_section(results),
+        "## Start-up and replay",
+        sections.start_up_section(results),
+    ]
+    if "capture" in results:
+        capture = results["capture"]
+        as_threads = {name: {"2": capture[name]} for name in ("frame_path", "against_open3d")}
+        as_threads["open3d"] = {"2": capture["open3d"]}
+        parts += [
+            f"## Frames of {capture['name']}, no region of interest",
+            sections.stages_section(as_threads),
+            sections.open3d_section(as_threads),
+        ]
+    return "\n\n".join(part.rstrip("\n") for part in parts) + "\n"
+
+
+def _renewed(guide: str, results: dict[str, Any]) -> str:
+    if BEGIN not in guide or END not in guide:
+        raise GuideDamaged(
+            f"docs/performance.md has lost its marks {BEGIN} and {END}: restore them"
+        )
+    figures = f"{BEGIN}\n\n{sections.targets_section(results)}\n"
+    figures += f"Measured on: {sections.machine_section(results)}\n{END}"
+    return re.sub(
+        f"{re.escape(BEGIN)}.*{re.escape(END)}", lambda _: figures, guide, flags=re.DOTALL
+    )

@@ -1,0 +1,52 @@
+"""The figures that the project promised, and what was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from benchmarks.measurements.stages import ESTIMATE
+
+HALF = 0.5
+INFERENCE_P95_MS = {"hemicnn": 16.0, "grouplet-fast": 5.0, "grouplet-slow": 30.0}
+LATENCY_P99_MS = 100.0
+BYTES_PER_OBSERVATION = 6
+
+
+@dataclass(frozen=True)
+class Target:
+    """``measured`` must not pass ``limit``."""
+
+    what: str
+    measured: float
+    limit: float
+    unit: str
+
+    @property
+    def is_met(self) -> bool:
+        """Whether it holds."""
+        return self.measured <= self.limit
+
+
+def targets(results: dict[str, Any]) -> Iterator[Target]:
+    """All targets, with the figures of this run."""
+    most = max(results["against_open3d"], key=int)
+    for p, name in (("p50", "median"), ("p95", "p95")):
+        colour = results["against_open3d"][most]["colour"][p]
+        what = f"whole frame against Open3D's colour integration, {most} threads, {name}"
+        yield Target(what, colour["ratio"], HALF, "times")
+    models = results["estimation"]["1"]["models"]
+    for model, limit in INFERENCE_P95_MS.items():
+        estimate = next(one for one in models[model]["shipped"] if one["name"] == ESTIMATE)
+        yield Target(
+            f"{model}, features and network, p95, 1 thread", estimate["p95_ms"], limit, "ms"
+        )
+    live = results["live"]
+    lost = float(sum(live["lost_to_overload"].values()))
+    yield Target(f"messages lost to overload in {live['seconds']:g} s", lost, 0.0, "messages")
+    if live["latency"] is not None:
+        p99 = live["latency"]["p99_ms"]
+        yield Target("estimate latency at the node, p99", p99, LATENCY_P99_MS, "ms")
+    slower = 1.0 / results["replay"]["times_real_time"]
+    yield Target("replay of a VGA bag, share of its duration", slower, 1.0, "times")

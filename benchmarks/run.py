@@ -1,0 +1,106 @@
+"""Runs all measurements one after another, each in a fresh process."""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from benchmarks.comparison import compare_with_open3d
+from benchmarks.measuring.fresh_process import measured
+from benchmarks.measuring.machine import describe_machine
+from benchmarks.plan import Plan
+from benchmarks.scene.recording import Recording, recorded
+from benchmarks.scene.table_scene import VERSION
+
+SCHEMA_VERSION = 1
+MEASUREMENTS = "benchmarks.measurements"
+
+
+def run(plan: Plan, cache: Path, capture: Path | None = None) -> dict[str, Any]:
+    """Everything that is published, as JSON; takes some minutes for a full plan.
+
+    ``cache``: folder of recordings. ``capture``: one more capture to put through the frame path.
+    """
+    recording = Recording(*plan.resolution, plan.live_frames, plan.rate)
+    machine = describe_machine()
+    bag = str(recorded(recording, cache))
+    started = time.monotonic()
+    results: dict[str, Any] = {
+        "schema_version": SCHEMA_VERSION,
+        "scene_version": VERSION,
+        "machine": machine,
+        "plan": dataclasses.asdict(plan),
+        "frame_path": {}, "open3d": {}, "against_open3d": {}, "estimation": {},
+    }  # fmt: skip
+    for threads in plan.threads:
+        _say(f"frame path, Open3D and estimation with {threads} thread(s)")
+        path, peers = _frame_path_and_peers(plan, bag, threads, is_table=True)
+        key = str(threads)
+        results["against_open3d"][key] = compare_with_open3d(path, peers)
+        results["frame_path"][key], results["open3d"][key] = path, peers
+        results["estimation"][key] = measured(
+            f"{MEASUREMENTS}.estimation", threads, capture=bag, frames=plan.frame_path,
+            estimates=plan.estimates, threads=threads,
+        )  # fmt: skip
+    most = max(plan.threads)
+    _say("growth with voxel size, resolution and region")
+    results["growth_of_fusion"] = measured(
+        f"{MEASUREMENTS}.growth_of_fusion", most, frames=plan.growth_frames,
+        resolution=plan.resolution, voxel_sizes=plan.voxel_sizes, resolutions=plan.resolutions,
+    )  # fmt: skip
+    _say("growth with surface and views")
+    results["growth_of_estimates"] = measured(
+        f"{MEASUREMENTS}.growth_of_estimates", most, store_voxels=plan.store_voxels,
+        voxel_size_mm=plan.store_voxel_size, view_counts=plan.view_counts,
+        estimates=plan.growth_estimates,
+    )  # fmt: skip
+    _say("start-up and replay")
+    results["start_up"] = measured(
+        f"{MEASUREMENTS}.start_up", most, capture=bag, starts=plan.starts
+    )
+    results["replay"] = measured(
+        f"{MEASUREMENTS}.replay", most, capture=bag, seconds=recording.seconds
+    )
+    _say(f"live: {recording.seconds:g} s at {plan.rate:g} Hz")
+    results["live"] = run_live(recording, bag)
+    if capture is not None:
+        _say(f"frame path of {capture.name}")
+        path, peers = _frame_path_and_peers(plan, str(capture.resolve()), most, is_table=False)
+        compared = compare_with_open3d(path, peers)
+        results["capture"] = {
+            "name": capture.name, "frame_path": path, "open3d": peers, "against_open3d": compared,
+        }  # fmt: skip
+    results["took_s"] = time.monotonic() - started
+    return results
+
+
+def run_live(recording: Recording, bag: str) -> dict[str, Any]:
+    """The bag at its own speed to the node."""
+    return measured(
+        "benchmarks.live.session", bag=bag, frames=recording.frames, seconds=recording.seconds
+    )
+
+
+def _frame_path_and_peers(
+    plan: Plan, capture: str, threads: int, is_table: bool
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    frames = plan.frame_path
+    path = measured(
+        f"{MEASUREMENTS}.frame_path", threads, capture=capture, frames=frames,
+        memory_frames=plan.memory_frames, is_table=is_table, threads=threads,
+    )  # fmt: skip
+    peers = {
+        name: measured(
+            f"{MEASUREMENTS}.open3d_grid", threads, capture=capture, frames=path["frames"],
+            used=min(plan.peer_frames, path["frames"]), with_colour=with_colour, is_table=is_table,
+        )
+        for name, with_colour in (("colour", True), ("depth only", False))
+    }  # fmt: skip
+    return path, peers
+
+
+def _say(what: str) -> None:
+    print(f"measuring: {what}", file=sys.stderr, flush=True)
