@@ -41,6 +41,11 @@ def add_parser(subparsers: Any) -> None:
         "--recipe", choices=("ours", "paper"), default="ours", help="what is not given otherwise"
     )
     _add_changes(parser)
+    parser.add_argument(
+        "--realism", nargs="*", metavar="EFFECT",
+        help="train on every scene a second time, with the faults of a real capture; "
+        "no EFFECT: all of them",
+    )  # fmt: skip
     parser.add_argument("--device", default="auto", help="auto, cpu, cuda or cuda:N")
     parser.add_argument("--threads", type=int, help="CPU threads; default: all")
     parser.add_argument("--validate-every", type=int, default=1000, metavar="MINIBATCHES")
@@ -70,8 +75,6 @@ def run(arguments: argparse.Namespace) -> int:
     import torch
 
     from reflest_core.training.processes import joined_processes
-    from reflest_core.training.sample import load_samples
-    from reflest_core.training.trainer import TrainingData
     from reflest_core.training.variants import VARIANTS
 
     if arguments.threads:
@@ -81,10 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
             if getattr(arguments, name) is not None:
                 raise ParameterError("--loss and --lambda go with --model: a variant has its own")
     with joined_processes(arguments.device) as processes:
-        training = load_samples(arguments.data, "train")
-        validation = load_samples(arguments.data, "validation")
-        counts = {"train": len(training), "validation": len(validation)}
-        data = TrainingData(training, validation, counts)
+        data = _load(arguments)
         if not arguments.all:
             name = arguments.variant or arguments.model
             _train(arguments, _base(arguments), data, arguments.out, name, processes)
@@ -94,6 +94,22 @@ def run(arguments: argparse.Namespace) -> int:
             recipe = variant.recipe(arguments.recipe)
             _train(arguments, recipe, data, folder, variant.name, processes)
     return 0
+
+
+def _load(arguments: argparse.Namespace) -> TrainingData:
+    from reflest_core.synbrdf.realism.settings import Realism, parse_effects
+    from reflest_core.training.sample import Degradation, load_samples
+    from reflest_core.training.trainer import TrainingData
+
+    training = load_samples(arguments.data, "train")
+    validation = load_samples(arguments.data, "validation")
+    described: dict[str, Any] = {"train": len(training), "validation": len(validation)}
+    if arguments.realism is not None:
+        effects = parse_effects(arguments.realism or ["all"])
+        degradation = Degradation(Realism.only(effects), arguments.seed or 1)
+        training += load_samples(arguments.data, "train", degradation)
+        described["realism"] = [effect.value for effect in effects]
+    return TrainingData(training, validation, described)
 
 
 def _train(

@@ -1,8 +1,8 @@
-"""A scene as training sees it: the observed surface and the truth, nothing else."""
+"""A scene as training sees it: the observed surface, the truth, and where it stood."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,7 +13,11 @@ from reflest_core.brdf.gloss import ward_to_labcd
 from reflest_core.errors import ReflestError
 from reflest_core.features.voxel_choice import MIN_OBSERVATIONS
 from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.synbrdf.realism.degrade import degrade
+from reflest_core.synbrdf.realism.settings import Realism
 from reflest_core.synbrdf.scene_file import SynbrdfScene, load_scenes
+from reflest_core.synbrdf.seeding import Purpose, generator
+from reflest_core.synbrdf.splits import Split
 
 LEAST_USABLE_VOXELS = 5
 
@@ -24,25 +28,46 @@ class TrainingError(ReflestError):
 
 @dataclass(frozen=True)
 class Sample:
-    """``ward``: (5,) float64 true ``rho_d`` (3), ``rho_s``, ``alpha``."""
+    """``ward``: (5,) float64 true ``rho_d`` (3), ``rho_s``, ``alpha``.
+
+    ``environment``: the light's name. ``index``: of the scene in its split.
+    """
 
     surface: ObservedSurface
     ward: NDArray[np.float64]
+    environment: str = ""
+    index: int = 0
 
     def parameters(self, kind: str) -> NDArray[np.float64]:
         """(5,) truth as ``ward`` or ``labcd``."""
         return self.ward if kind == "ward" else ward_to_labcd(self.ward)
 
 
-def load_samples(folder: Path, split: str) -> list[Sample]:
-    """All usable scenes of one split of a SynBRDF folder, in order."""
-    samples = [_sample(scene) for scene in _usable(load_scenes(folder, split))]
+@dataclass(frozen=True)
+class Degradation:
+    """The faults that scenes get, drawn from ``seed`` for each scene."""
+
+    realism: Realism
+    seed: int
+
+    def applied(self, scene: SynbrdfScene) -> SynbrdfScene:
+        """``scene`` with its faults; always the same ones."""
+        rng = generator(self.seed, Split(scene.split), scene.index, Purpose.REALISM)
+        return degrade(scene, self.realism, rng)
+
+
+def load_samples(folder: Path, split: str, degradation: Degradation | None = None) -> list[Sample]:
+    """All usable scenes of one split of a SynBRDF folder, in order; with faults if given."""
+    scenes: Iterable[SynbrdfScene] = load_scenes(folder, split)
+    if degradation is not None:
+        scenes = map(degradation.applied, scenes)
+    samples = [_sample(scene) for scene in _usable(scenes)]
     if not samples:
         raise TrainingError(f"{folder} holds no scenes of split {split!r}; generate them first")
     return samples
 
 
-def _usable(scenes: Iterable[SynbrdfScene]) -> Iterable[SynbrdfScene]:
+def _usable(scenes: Iterable[SynbrdfScene]) -> Iterator[SynbrdfScene]:
     for scene in scenes:
         seen = scene.surface.observation_counts >= MIN_OBSERVATIONS
         if seen.sum() >= LEAST_USABLE_VOXELS:
@@ -51,4 +76,5 @@ def _usable(scenes: Iterable[SynbrdfScene]) -> Iterable[SynbrdfScene]:
 
 def _sample(scene: SynbrdfScene) -> Sample:
     truth = scene.truth
-    return Sample(scene.surface, np.array([*truth.rho_d, truth.rho_s, truth.alpha]))
+    ward = np.array([*truth.rho_d, truth.rho_s, truth.alpha])
+    return Sample(scene.surface, ward, scene.environment, scene.index)

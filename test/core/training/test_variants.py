@@ -1,9 +1,12 @@
 """The seven variants of Table 2, and the command that trains them."""
 
+import numpy as np
 import pytest
 
 from reflest_core.cli.main import main
 from reflest_core.models.weights import load_weights
+from reflest_core.synbrdf.realism.settings import Effect, Realism
+from reflest_core.training.sample import Degradation, load_samples
 from reflest_core.training.variants import VARIANTS, variant_named
 from test.core.training.scenes import write_synbrdf
 
@@ -47,6 +50,21 @@ def test_one_variant_follows_its_recipe_but_for_what_is_given(tmp_path, data):
     _, card, _ = load_weights(tmp_path / variant.file_name)
     assert card.recipe["minibatches"] == 3
     assert card.recipe["optimiser"] == variant.recipe().optimiser
+
+
+def test_realism_shows_every_scene_a_second_time(tmp_path, data):
+    out = ["--model", "hemicnn", "--out", str(tmp_path), "--realism", "sensor", "pose"]
+    assert main(["train", str(data), *out, *QUICK]) == 0
+    _, card, _ = load_weights(tmp_path / "hemicnn.safetensors")
+    assert card.recipe["data"] == {"train": 8, "validation": 3, "realism": ["sensor", "pose"]}
+    clean = load_samples(data, "train")
+    degradation = Degradation(Realism.only([Effect.SENSOR]), seed=1)
+    first, again = (load_samples(data, "train", degradation) for _ in range(2))
+    assert len(first) == len(clean) == 8
+    for one, same, without in zip(first, again, clean, strict=True):
+        np.testing.assert_array_equal(one.surface.colours, same.surface.colours)
+        assert (one.surface.colours != without.surface.colours).any()
+        np.testing.assert_array_equal(one.ward, without.ward)
 
 
 def test_an_unknown_variant_and_a_changed_loss_are_refused(tmp_path, data, capsys):

@@ -1,0 +1,1 @@
+"""Training ``lightnet``, the network that knows the light seen behind the object."""

@@ -1,0 +1,65 @@
+"""A SynBRDF scene as ``lightnet`` sees it: some views, some voxels, their shading."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.features.light.shading import Shading, shading
+from reflest_core.features.voxel_choice import choose_voxels
+from reflest_core.models.lightnet import VOXELS
+from reflest_core.synbrdf.exposure import expose
+from reflest_core.synbrdf.realism.degrade import degrade
+from reflest_core.synbrdf.realism.settings import Realism
+from reflest_core.synbrdf.scene_file import SynbrdfScene
+from reflest_core.synbrdf.scene_light import scene_light
+from reflest_core.training.augmentation import keep_views
+
+FEWEST_VOXELS = 3
+
+
+@dataclass(frozen=True)
+class SceneDraw:
+    """How one look at a scene is drawn.
+
+    ``views``: how many. ``exposure``: factor to the scene's own. ``realism``: faults of a real
+    capture, or none.
+    """
+
+    views: int
+    exposure: float = 1.0
+    realism: Realism | None = None
+
+
+def training_draw(rng: np.random.Generator) -> SceneDraw:
+    """From 5 to 100 views, the camera's exposure a little off, half of the time with faults."""
+    few = rng.uniform() < 0.5
+    views = int(np.exp(rng.uniform(np.log(5), np.log(101)))) if few else int(rng.integers(20, 101))
+    exposure = float(np.exp(rng.normal(0.0, 0.25)))
+    return SceneDraw(views, exposure, Realism() if rng.uniform() < 0.5 else None)
+
+
+def shaded(scene: SynbrdfScene, draw: SceneDraw, rng: np.random.Generator) -> Shading | None:
+    """The shading of a look at the scene; None where it shows too little of the surface."""
+    scene = _exposed(scene, draw.exposure)
+    if draw.realism is not None:
+        scene = degrade(scene, draw.realism, rng)
+    count = len(scene.surface.view_centres)
+    views = np.sort(rng.permutation(count)[: min(draw.views, count)])
+    surface = keep_views(scene.surface, views)
+    voxels = choose_voxels(surface, VOXELS)
+    if len(voxels) < FEWEST_VOXELS:
+        return None
+    return shading(surface, scene_light(scene, views), voxels)
+
+
+def _exposed(scene: SynbrdfScene, factor: float) -> SynbrdfScene:
+    if factor == 1.0:
+        return scene
+    exposure = scene.exposure * factor
+    colours: NDArray[np.uint8] = expose(scene.radiance.astype(np.float32), exposure)
+    surface = dataclasses.replace(scene.surface, colours=colours)
+    return dataclasses.replace(scene, surface=surface, exposure=exposure)
