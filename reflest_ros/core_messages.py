@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, Protocol
 
 from geometry_msgs.msg import PoseStamped
-from sensor_msgs.msg import CameraInfo, Image
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+from std_msgs.msg import Header
 
-from reflest_core.capture.messages import CameraInfoMessage, ImageMessage, PoseMessage
+from reflest_core.capture.messages import (
+    CameraInfoMessage,
+    CompressedImageMessage,
+    ImageMessage,
+    PoseMessage,
+    TransformsMessage,
+)
 
 
 class Stamp(Protocol):
@@ -53,12 +61,44 @@ def camera_info_message(message: CameraInfo) -> CameraInfoMessage:
     )
 
 
-def pose_message(message: PoseStamped) -> PoseMessage:
-    """``geometry_msgs/PoseStamped`` as plain data."""
-    position, orientation = message.pose.position, message.pose.orientation
-    return PoseMessage(
+def compressed_image_message(message: CompressedImage) -> CompressedImageMessage:
+    """``sensor_msgs/CompressedImage`` as plain data."""
+    return CompressedImageMessage(
         stamp_ns=stamp_to_ns(message.header.stamp),
         frame_id=message.header.frame_id,
+        format=message.format,
+        data=message.data,
+    )
+
+
+def pose_message(message: PoseStamped) -> PoseMessage:
+    """``geometry_msgs/PoseStamped`` as plain data."""
+    return _posed(message.header, "", message.pose.position, message.pose.orientation)
+
+
+def odometry_message(message: Odometry) -> PoseMessage:
+    """The pose in a ``nav_msgs/Odometry`` as plain data."""
+    pose = message.pose.pose
+    return _posed(message.header, message.child_frame_id, pose.position, pose.orientation)
+
+
+def transforms_message(message: Any) -> TransformsMessage:
+    """``tf2_msgs/TFMessage`` as plain data."""
+    return TransformsMessage(
+        tuple(
+            _posed(
+                one.header, one.child_frame_id, one.transform.translation, one.transform.rotation
+            )
+            for one in message.transforms
+        )
+    )
+
+
+def _posed(header: Header, child: str, position: Any, orientation: Any) -> PoseMessage:
+    return PoseMessage(
+        stamp_ns=stamp_to_ns(header.stamp),
+        frame_id=header.frame_id,
         position=(position.x, position.y, position.z),
         orientation=(orientation.x, orientation.y, orientation.z, orientation.w),
+        child_frame_id=child,
     )

@@ -1,5 +1,7 @@
 """How each topic is received and sent."""
 
+from __future__ import annotations
+
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 OUTPUT_QOS = QoSProfile(
@@ -13,6 +15,8 @@ OUTPUT_QOS = QoSProfile(
 INPUT_DEPTH = 30
 """Messages that DDS holds for a callback; callbacks only queue, so that few ever wait."""
 
+TF_DEPTH = 100
+
 
 def input_qos(reliability: str) -> QoSProfile:
     """Quality of service of the inputs; ``reliability`` is best_effort or reliable."""
@@ -21,4 +25,14 @@ def input_qos(reliability: str) -> QoSProfile:
         depth=INPUT_DEPTH,
         reliability=ReliabilityPolicy[reliability.upper()],
         durability=DurabilityPolicy.VOLATILE,
+    )
+
+
+def tf_qos(is_static: bool) -> QoSProfile:
+    """Quality of service of ``/tf`` and ``/tf_static``, as tf2's listener asks for."""
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=TF_DEPTH,
+        reliability=ReliabilityPolicy.RELIABLE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if is_static else DurabilityPolicy.VOLATILE,
     )

@@ -14,10 +14,22 @@ class TopicSettings:
 
     rgb: str = parameter("camera/color/image_raw", "Colour images.")
     depth: str = parameter(
-        "camera/aligned_depth_to_color/image_raw", "Depth images, registered to the colour images."
+        "camera/aligned_depth_to_color/image_raw",
+        "Depth images, best registered to the colour images; others are registered by the node, "
+        "with depth_camera_info and the transform.",
     )
     camera_info: str = parameter("camera/color/camera_info", "Calibration of the colour camera.")
-    pose: str = parameter("camera/pose", "Poses of the camera in the world frame (PoseStamped).")
+    depth_camera_info: str = parameter(
+        "camera/depth/camera_info",
+        "Calibration of the depth camera; needed where depth is in another frame than colour.",
+    )
+    pose: str = parameter(
+        "camera/pose", "Poses of the camera in the world frame (PoseStamped), with "
+        "capture.pose_source pose.",
+    )  # fmt: skip
+    odom: str = parameter(
+        "odom", "Poses of the robot or the camera (Odometry), with capture.pose_source odom."
+    )
     mask: str = parameter("camera/mask", "Masks of the scanned object, with capture.use_mask.")
 
     def __post_init__(self) -> None:
@@ -33,6 +45,20 @@ class InputSettings:
         "Reliability asked of publishers. best_effort receives from every publisher; reliable "
         "loses nothing, and receives from reliable publishers only.",
         choices=("best_effort", "reliable"),
+    )
+    rgb_transport: str = parameter(
+        "raw", "compressed: subscribe to CompressedImage (jpeg, png) on topics.rgb + /compressed. "
+        "A topic name that ends so is taken as it is.", choices=("raw", "compressed"),
+    )  # fmt: skip
+    depth_transport: str = parameter(
+        "raw", "compressedDepth (png, rvl) or compressed (16-bit png): subscribe to "
+        "CompressedImage on topics.depth + /compressedDepth or /compressed. A topic name that "
+        "ends so is taken as it is.", choices=("raw", "compressedDepth", "compressed"),
+    )  # fmt: skip
+    mask_transport: str = parameter(
+        "raw",
+        "compressed: subscribe to CompressedImage (8-bit png) on topics.mask + /compressed.",
+        choices=("raw", "compressed"),
     )
     queue_size: int = parameter(
         200, "Messages that may wait for fusion; further ones are dropped and counted.",

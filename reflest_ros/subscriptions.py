@@ -7,25 +7,25 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from geometry_msgs.msg import PoseStamped
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
+from rclpy.qos import QoSPolicyKind
+from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
-from sensor_msgs.msg import CameraInfo, Image
 
 from reflest_core.capture.messages import Role, SensorMessage
 from reflest_core.capture.refusal import FrameRefused
 from reflest_core.capture.settings import CaptureSettings
-from reflest_ros.core_messages import camera_info_message, image_message, pose_message
-from reflest_ros.qos import input_qos
+from reflest_ros.input_topics import InputTopic, input_topics
+from reflest_ros.qos_problem import qos_problem
 from reflest_ros.settings import NodeSettings
 
-CONVERSIONS: dict[Role, tuple[type, Callable[[Any], SensorMessage]]] = {
-    Role.RGB: (Image, image_message),
-    Role.DEPTH: (Image, image_message),
-    Role.CAMERA_INFO: (CameraInfo, camera_info_message),
-    Role.POSE: (PoseStamped, pose_message),
-    Role.MASK: (Image, image_message),
-}
+OVERRIDABLE = (
+    QoSPolicyKind.HISTORY,
+    QoSPolicyKind.DEPTH,
+    QoSPolicyKind.RELIABILITY,
+    QoSPolicyKind.DURABILITY,
+)
 
 
 class MessageSink(Protocol):
@@ -49,11 +49,11 @@ class Input:
 
     role: Role
     topic: str
+    is_awaited: bool = True
     count: int = 0
     last_arrival: float = 0.0
     last_stamp_ns: int | None = None
     qos_problem: str = ""
-    is_awaited: bool = True
 
     def take(self, message: SensorMessage) -> None:
         """Note the arrival of a message."""
@@ -63,34 +63,39 @@ class Input:
 
 
 class Inputs:
-    """The topics that a scan needs; subscribed to while it is active."""
+    """The topics that a scan needs; subscribed to while it is active.
+
+    Raises :class:`ReflestError` where one of them cannot be received on this machine.
+    """
 
     def __init__(self, node: Node, settings: NodeSettings, capture: CaptureSettings) -> None:
         self._node = node
-        self._settings = settings
         self._subscriptions: list[Subscription] = []
-        self.topics = input_topics(node, settings, capture.use_mask)
-        self.states = [Input(role, topic) for role, topic in self.topics.items()]
+        self._listened = [
+            (topic, Input(topic.role, topic.name, topic.is_awaited))
+            for topic in input_topics(node, settings, capture)
+        ]
+
+    @property
+    def topics(self) -> dict[Role, str]:
+        """The full name of each role's topic."""
+        return {topic.role: topic.name for topic, _ in self._listened}
+
+    @property
+    def states(self) -> list[Input]:
+        """What came of each topic."""
+        return [state for _, state in self._listened]
 
     def activate(self, sink: MessageSink) -> None:
-        """Subscribe to each topic; ``sink`` gets the messages, in the executor's threads."""
-        qos = input_qos(self._settings.input.reliability)
-        for state in self.states:
-            message_type, convert = CONVERSIONS[state.role]
+        """Subscribe to each topic; ``sink`` gets the messages, in the executor's threads.
 
-            def on_message(
-                message: Any, state: Input = state, convert: Callable[[Any], Any] = convert
-            ) -> None:
-                converted = convert(message)
-                state.take(converted)
-                sink.offer(state.role, converted)
-
-            self._subscriptions.append(
-                self._node.create_subscription(message_type, state.topic, on_message, qos)
-            )
-        started = time.monotonic()
-        for state in self.states:
-            state.last_arrival = started
+        Each topic's quality of service can be overridden by the parameters
+        ``qos_overrides.TOPIC.subscription.{reliability,durability,history,depth}``.
+        """
+        for topic, state in self._listened:
+            state.last_arrival = time.monotonic()
+            state.qos_problem = ""
+            self._subscriptions.append(self._subscribed(topic, state, sink.offer))
 
     def deactivate(self) -> None:
         """Drop the subscriptions."""
@@ -98,14 +103,29 @@ class Inputs:
             self._node.destroy_subscription(subscription)
         self._subscriptions.clear()
 
+    def _subscribed(
+        self, topic: InputTopic, state: Input, offer: Callable[[Role, SensorMessage], None]
+    ) -> Subscription:
+        def on_message(message: Any) -> None:
+            converted = topic.convert(message)
+            state.take(converted)
+            offer(topic.role, converted)
+            if state.qos_problem:  # perhaps it was mended
+                self._check_qos(topic, state)
 
-def input_topics(node: Node, settings: NodeSettings, use_mask: bool) -> dict[Role, str]:
-    """Full names of the topics to subscribe; a remapping of ``rgb`` wins over ``topics.rgb``."""
-    roles = [role for role in Role if use_mask or role is not Role.MASK]
-    topics = {}
-    for role in roles:
-        resolved = node.resolve_topic_name(role.value)
-        is_remapped = resolved != node.resolve_topic_name(role.value, only_expand=True)
-        name = role.value if is_remapped else getattr(settings.topics, role.value)
-        topics[role] = node.resolve_topic_name(name)
-    return topics
+        return self._node.create_subscription(
+            topic.message_type, topic.name, on_message, topic.qos,
+            event_callbacks=SubscriptionEventCallbacks(
+                incompatible_qos=lambda _: self._check_qos(topic, state)
+            ),
+            qos_overriding_options=QoSOverridingOptions(OVERRIDABLE),
+        )  # fmt: skip
+
+    def _check_qos(self, topic: InputTopic, state: Input) -> None:
+        """Warn of publishers that are not heard, once for each set of them."""
+        publishers = self._node.get_publishers_info_by_topic(topic.name)
+        # rclpy writes the overrides into the profile that it was given.
+        problem = qos_problem(topic.name, publishers, topic.qos)
+        if problem and problem != state.qos_problem:
+            self._node.get_logger().warning(problem)
+        state.qos_problem = problem

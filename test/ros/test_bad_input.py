@@ -112,7 +112,7 @@ def test_size_mismatch(node, peer, next_view):
 def test_time_backwards(node, peer, next_view):
     view = next_view()
     send(peer, dataclasses.replace(view, stamp_ns=view.stamp_ns - 100 * PERIOD_NS))
-    refused_once(node, peer, "time_backwards", ["reset"])
+    refused_once(node, peer, "time_backwards", ["does not come after"])
     send_good(peer, next_view())
 
 
