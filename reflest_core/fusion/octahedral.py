@@ -6,6 +6,8 @@ vector is projected onto the octahedron ``|x| + |y| + |z| = 1``; the lower half 
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,6 +36,7 @@ def octahedral_directions(size: int) -> NDArray[np.float32]:
     return unit.astype(np.float32)
 
 
+@cache
 def octahedral_solid_angles(size: int) -> NDArray[np.float32]:
     """Solid angle (size, size) of every texel in steradians; they sum to 4 pi.
 

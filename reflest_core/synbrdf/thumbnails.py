@@ -29,3 +29,7 @@ class Thumbnails:
     def radiance(self) -> NDArray[np.float32]:
         """(W, 36, 48, 3) linear sRGB, in the unit of the scene's observations."""
         return rgbe.decode(self.rgbe)
+
+    def of_views(self, views: NDArray[np.int64]) -> Thumbnails:
+        """The thumbnails of some views."""
+        return Thumbnails(self.rgbe[views], self.is_object[views], self.T_world_camera[views])

@@ -17,6 +17,7 @@ from reflest_core.brdf import srgb
 from reflest_core.features.light.completion import complete
 from reflest_core.features.light.irradiance import mean_radiance
 from reflest_core.features.light.light_zones import light_zones
+from reflest_core.features.light.lobe_fit import fit_lobes
 from reflest_core.features.light.ward_lobe import lobe_radiance
 from reflest_core.fusion.light_map import ObservedLight
 from reflest_core.fusion.observed_surface import ObservedSurface
@@ -38,7 +39,8 @@ class Shading:
     ``lobe``: (V, O, K, 3), radiance reflected at ``rho_s = 1`` over ``E(n) / pi``.
     ``lobe_seen``, ``lobe_clipped``: (V, O, K), shares of that lobe's light.
     ``normals``: (V, 3). ``diffuse_light``: (V, 3), ``E(n) / pi``. ``diffuse_seen``,
-    ``diffuse_clipped``: (V,), shares of that light. ``zones``: see :func:`light_zones`.
+    ``diffuse_clipped``: (V,), shares of that light. ``voxel_fit``: (V, 3, K, 3) and ``scene_fit``:
+    (3, K, 3), see :class:`LobeFit`. ``zones``: see :func:`light_zones`.
     """
 
     is_seen: NDArray[np.bool_]
@@ -52,6 +54,8 @@ class Shading:
     diffuse_light: NDArray[np.float32]
     diffuse_seen: NDArray[np.float32]
     diffuse_clipped: NDArray[np.float32]
+    voxel_fit: NDArray[np.float32]
+    scene_fit: NDArray[np.float32]
     zones: NDArray[np.float32]
 
 
@@ -73,18 +77,31 @@ def shading(surface: ObservedSurface, light: ObservedLight, voxels: NDArray[np.i
         grid[voxel_of, slot] = values
         return grid
 
+    is_seen = spread(np.ones(len(rows), np.float32))
+    apparent = spread(_LINEAR[colours] / diffuse_light[voxel_of])
+    clipped = spread((colours == 255).astype(np.float32))
+    lobe = spread(lobes[..., :3] / diffuse_light[voxel_of, None])
+    brightness = diffuse_light.mean(axis=1)
+    fit = fit_lobes(
+        apparent,
+        lobe,
+        is_seen[..., None] * (1.0 - clipped),
+        np.minimum(brightness / max(float(brightness.mean()), DARKEST), 1.0) ** 2,
+    )
     return Shading(
-        is_seen=spread(np.ones(len(rows), np.float32)) > 0.0,
-        apparent=spread(_LINEAR[colours] / diffuse_light[voxel_of]),
-        clipped=spread((colours == 255).astype(np.float32)),
+        is_seen=is_seen > 0.0,
+        apparent=apparent,
+        clipped=clipped,
         cosine=spread(np.einsum("ij,ij->i", directions, normals[voxel_of])),
-        lobe=spread(lobes[..., :3] / diffuse_light[voxel_of, None]),
+        lobe=lobe,
         lobe_seen=spread(lobes[..., 3]),
         lobe_clipped=spread(lobes[..., 4]),
         normals=normals,
         diffuse_light=diffuse_light,
         diffuse_seen=diffuse[:, 3],
         diffuse_clipped=diffuse[:, 4],
+        voxel_fit=fit.voxels,
+        scene_fit=fit.scene,
         zones=light_zones(pyramid),
     )
 

@@ -1,0 +1,144 @@
+"""lightnet: what the known light leaves open, read from many small ratios (our own network).
+
+Every number that goes in compares an observation with what the light seen in the background would
+do (:mod:`reflest_core.features.light.shading`). The three colour channels pass through the same
+weights, one by one, and meet only where the specular lobe is estimated, for it has no colour.
+"""
+
+from __future__ import annotations
+
+import torch
+from torch import nn
+
+from reflest_core.features.light.ward_lobe import ROUGHNESSES
+
+VOXELS = 48
+"""Voxels that an estimate rests on."""
+ROUGHNESS_COUNT = len(ROUGHNESSES)
+OBSERVATION_INPUTS = 3 + 3 * ROUGHNESS_COUNT
+FIT_INPUTS = 3 * ROUGHNESS_COUNT
+VOXEL_INPUTS = 7 + FIT_INPUTS
+ZONE_INPUTS = 8 * (1 + 1 + 2)
+OBSERVATION, VOXEL, SCENE, HEADS = 48, 64, 96, 8
+"""Widths of the stages, and the number of ways in which voxels are weighed against each other."""
+FLOOR = 0.03
+"""Added before a logarithm: ratios below it say the same, dark."""
+
+
+class LightNet(nn.Module):
+    """Shading (arrays of :class:`Shading`, batched) to means and log variances, (B, 5) each.
+
+    Z-scored ``rho_d`` (3), ``rho_s``, ``alpha``.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.observation = _two_layers(OBSERVATION_INPUTS, OBSERVATION)
+        self.voxel = _two_layers(3 * OBSERVATION + VOXEL_INPUTS, VOXEL)
+        self.attention = nn.Linear(VOXEL, HEADS)
+        self.channel = _two_layers(2 * VOXEL + FIT_INPUTS + ZONE_INPUTS, SCENE)
+        self.gloss = _two_layers(2 * SCENE, SCENE)
+        self.diffuse_head = nn.Linear(2 * SCENE, 2)
+        self.gloss_head = nn.Linear(SCENE, 4)
+
+    def forward(
+        self,
+        is_seen: torch.Tensor,
+        apparent: torch.Tensor,
+        clipped: torch.Tensor,
+        cosine: torch.Tensor,
+        lobe: torch.Tensor,
+        lobe_seen: torch.Tensor,
+        lobe_clipped: torch.Tensor,
+        normals: torch.Tensor,
+        diffuse_light: torch.Tensor,
+        diffuse_seen: torch.Tensor,
+        diffuse_clipped: torch.Tensor,
+        voxel_fit: torch.Tensor,
+        scene_fit: torch.Tensor,
+        zones: torch.Tensor,
+    ) -> tuple[torch.Tensor, torch.Tensor]:
+        """Shapes as in :class:`Shading` with a leading B; voxels never seen are padding."""
+        per_channel = (*apparent.shape[:3], 3)
+        observations = torch.cat(
+            [
+                _log(apparent)[..., None],
+                clipped[..., None],
+                cosine[..., None, None].expand(*per_channel, 1),
+                _log(lobe).transpose(3, 4),
+                lobe_seen[..., None, :].expand(*per_channel, ROUGHNESS_COUNT),
+                lobe_clipped[..., None, :].expand(*per_channel, ROUGHNESS_COUNT),
+            ],
+            dim=-1,
+        )
+        seen = is_seen[..., None, None].float()
+        count = seen.sum(dim=2)
+        described = pooled(self.observation(observations), seen, count)
+
+        is_voxel = is_seen.any(dim=2)[..., None, None].float()
+        mean_light = (diffuse_light * is_voxel[..., 0]).sum(1) / is_voxel[..., 0].sum(1).clamp(
+            min=1
+        )
+        of_voxel = (*per_channel[:2], 3)
+        voxels = self.voxel(
+            torch.cat(
+                [
+                    described,
+                    _log(diffuse_light / mean_light[:, None])[..., None],
+                    (count / is_seen.shape[2]).expand(*of_voxel, 1),
+                    normals[:, :, None].expand(*of_voxel, 3),
+                    diffuse_seen[..., None, None].expand(*of_voxel, 1),
+                    diffuse_clipped[..., None, None].expand(*of_voxel, 1),
+                    voxel_fit.flatten(3),
+                ],
+                dim=-1,
+            )
+        )
+        weights = torch.softmax(self.attention(voxels) + (is_voxel - 1.0) * 1e4, dim=1)
+        weighed = (weights.repeat_interleave(VOXEL // HEADS, dim=-1) * voxels).sum(dim=1)
+        spread = _deviation(voxels, is_voxel, is_voxel.sum(dim=1))
+
+        zone_light = _log(zones[..., :3] / mean_light[:, None]).transpose(1, 2)
+        every_zone = torch.cat([zone_light.mean(dim=1), zones[..., 3], zones[..., 4]], dim=-1)
+        channels = self.channel(
+            torch.cat(
+                [
+                    weighed,
+                    spread,
+                    scene_fit.flatten(2),
+                    zone_light,
+                    every_zone[:, None].expand(-1, 3, -1),
+                ],
+                dim=-1,
+            )
+        )
+        gloss = self.gloss(torch.cat([channels.mean(dim=1), channels.amax(dim=1)], dim=-1))
+        diffuse = self.diffuse_head(
+            torch.cat([channels, gloss[:, None].expand(channels.shape)], dim=-1)
+        )
+        specular = self.gloss_head(gloss)
+        means = torch.cat([diffuse[..., 0], specular[:, :2]], dim=1)
+        log_variances = torch.cat([diffuse[..., 1], specular[:, 2:]], dim=1)
+        return means, log_variances
+
+
+def pooled(x: torch.Tensor, seen: torch.Tensor, count: torch.Tensor) -> torch.Tensor:
+    """Mean, standard deviation and maximum over the observations (dim 2) that were seen."""
+    mean = (x * seen).sum(dim=2) / count.clamp(min=1)
+    squares = ((x - mean[:, :, None]) ** 2 * seen).sum(dim=2) / count.clamp(min=1)
+    greatest = torch.where(count > 0, (x + (seen - 1.0) * 1e4).amax(dim=2), 0.0)
+    return torch.cat([mean, torch.sqrt(squares + 1e-6), greatest], dim=-1)
+
+
+def _deviation(x: torch.Tensor, weight: torch.Tensor, total: torch.Tensor) -> torch.Tensor:
+    mean = (x * weight).sum(dim=1) / total.clamp(min=1)
+    squares = ((x - mean[:, None]) ** 2 * weight).sum(dim=1) / total.clamp(min=1)
+    return torch.sqrt(squares + 1e-6)
+
+
+def _log(ratio: torch.Tensor) -> torch.Tensor:
+    return torch.log(ratio + FLOOR)
+
+
+def _two_layers(inputs: int, width: int) -> nn.Sequential:
+    return nn.Sequential(nn.Linear(inputs, width), nn.SiLU(), nn.Linear(width, width), nn.SiLU())

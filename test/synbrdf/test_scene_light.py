@@ -1,0 +1,31 @@
+"""The light gathered from a scene's thumbnails is the environment that lit it, in part."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mitsuba")
+
+from reflest_core.fusion.octahedral import octahedral_directions
+from reflest_core.synbrdf.environment_lookup import radiance_from
+from reflest_core.synbrdf.environments import procedural_skies
+from reflest_core.synbrdf.scene import draw_scene
+from reflest_core.synbrdf.scene_light import scene_light
+from reflest_core.synbrdf.sparse_scene import SparseRenderer, SparseSettings
+from reflest_core.synbrdf.splits import Sources, Split
+
+
+def test_the_seen_part_of_the_environment_comes_back():
+    drawn = draw_scene(3, Split.VALIDATION, 0, Sources(procedural_skies(2), []), views=12)
+    scene = SparseRenderer(SparseSettings(20, 12, 4, 16)).render(drawn, 3)
+    every_view = scene_light(scene, np.arange(12))
+    assert 0.1 < every_view.seen_share < 1.0
+    is_seen = (every_view.coverage > 0) & (every_view.clipped == 0)
+    expected = radiance_from(
+        drawn.light.radiance, octahedral_directions(len(is_seen))[is_seen]
+    ) * np.float32(scene.exposure)
+    found = every_view.radiance[is_seen]
+    assert np.corrcoef(np.log(found.ravel() + 0.02), np.log(expected.ravel() + 0.02))[0, 1] > 0.95
+    assert np.median(np.abs(found - expected) / (expected + 0.02)) < 0.1
+    one_view = scene_light(scene, np.arange(1))
+    assert one_view.seen_share < every_view.seen_share
+    assert (every_view.coverage[one_view.coverage > 0] == 1).all()
