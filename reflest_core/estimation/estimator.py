@@ -63,7 +63,7 @@ class Estimator:
             d=d,
             voxel_count=surface.voxel_count,
             observation_count=len(surface.colours),
-            view_count=len(np.unique(surface.view_indices)),
+            view_count=surface.observing_views,
             coverage=coverage,
             status=status,
             status_text=status_text,

@@ -5,35 +5,35 @@
 
 from __future__ import annotations
 
-import contextlib
-
 import numpy as np
 
-from reflest_core.estimation.estimator import Estimator, NoEstimate
+from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.fusion import warm_up as fusion
 from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.models.model_choice import MODELS
 
-VOXELS, VIEWS = 64, 6
+SIDE, VIEWS = 32, 6
+"""32 x 32 voxels are more than any network chooses or ``min_voxels`` can ask for."""
 
 
 def warm_up(estimator: Estimator) -> None:
     """Run every kernel once. Takes a second; half a minute on the first start."""
     fusion.warm_up()
-    with contextlib.suppress(NoEstimate):
-        estimator.estimate(_grey_wall(), 0, "")
+    estimator.estimate(_grey_wall(), 0, "")
 
 
 def _grey_wall() -> ObservedSurface:
-    """An 8 x 8 wall at z = 0, every voxel seen from every view."""
-    across = np.arange(VOXELS) % 8 * 0.01
-    up = np.arange(VOXELS) // 8 * 0.01
+    """A square wall at z = 0, every voxel seen from every view."""
+    voxels = SIDE**2
+    across = np.arange(voxels) % SIDE * 0.01
+    up = np.arange(voxels) // SIDE * 0.01
     return ObservedSurface(
-        positions=np.stack([across, up, np.zeros(VOXELS)], axis=1).astype(np.float32),
-        normals=np.tile(np.array([0.0, 0.0, 1.0], np.float32), (VOXELS, 1)),
-        offsets=np.arange(VOXELS + 1, dtype=np.int64) * VIEWS,
-        colours=np.full((VOXELS * VIEWS, 3), 128, np.uint8),
-        view_indices=np.tile(np.arange(VIEWS, dtype=np.uint16), VOXELS),
+        positions=np.stack([across, up, np.zeros(voxels)], axis=1).astype(np.float32),
+        normals=np.tile(np.array([0.0, 0.0, 1.0], np.float32), (voxels, 1)),
+        offsets=np.arange(voxels + 1, dtype=np.int64) * VIEWS,
+        colours=np.full((voxels * VIEWS, 3), 128, np.uint8),
+        view_indices=np.tile(np.arange(VIEWS, dtype=np.uint16), voxels),
         view_centres=np.array([[0.1 * view, 0.0, 0.5] for view in range(VIEWS)], np.float32),
         view_foreground=np.full((VIEWS, 3), 128.0, np.float32),
         view_background=np.full((VIEWS, 3), np.nan, np.float32),
@@ -41,4 +41,5 @@ def _grey_wall() -> ObservedSurface:
 
 
 if __name__ == "__main__":
-    warm_up(Estimator(EstimationSettings()))
+    for model in MODELS:
+        warm_up(Estimator(EstimationSettings(model=model)))

@@ -83,6 +83,11 @@ class ObservationStore:
         """Observations kept."""
         return int(np.sum(self.rows.counts[: self.count], dtype=np.int64))
 
+    @property
+    def observed_count(self) -> int:
+        """Voxels with observations."""
+        return int(np.count_nonzero(self.rows.counts[: self.count]))
+
     def find(self, keys: NDArray[np.int64]) -> NDArray[np.int64]:
         """The row of each voxel key, -1 where it is not stored."""
         return observation_rows.find_rows(self.rows, keys)

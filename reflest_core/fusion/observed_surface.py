@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.jit import compiled
+
 
 @dataclass(frozen=True)
 class ObservedSurface:
@@ -43,9 +45,23 @@ class ObservedSurface:
         """(V,) observations of each voxel."""
         return np.diff(self.offsets)
 
+    @property
+    def observing_views(self) -> int:
+        """Views that hold at least one of the observations."""
+        return _distinct(self.view_indices, len(self.view_centres))
+
     def view_directions(self) -> NDArray[np.float32]:
         """(O, 3) float32: ``omega_o`` of every observation, unit, from voxel to camera centre."""
         voxel_of = np.repeat(np.arange(self.voxel_count), self.observation_counts)
         towards = self.view_centres[self.view_indices] - self.positions[voxel_of]
         unit: NDArray[np.float32] = towards / np.linalg.norm(towards, axis=1, keepdims=True)
         return unit
+
+
+@compiled
+def _distinct(indices: NDArray[np.uint16], limit: int) -> int:
+    """How many different values below ``limit`` there are."""
+    is_there = np.zeros(limit, np.bool_)
+    for index in indices:
+        is_there[index] = True
+    return int(is_there.sum())

@@ -1,0 +1,42 @@
+"""After warming up no estimate waits for a compiler, whichever network and scan it is of."""
+
+import dataclasses
+import importlib
+import pkgutil
+
+import numpy as np
+import pytest
+from numba.core.registry import CPUDispatcher
+
+import reflest_core.features
+import reflest_core.models
+from reflest_core.estimation.estimator import Estimator
+from reflest_core.estimation.settings import EstimationSettings
+from reflest_core.estimation.warm_up import warm_up
+from reflest_core.models.model_choice import MODELS
+from test.core.surfaces import sphere_surface
+
+
+def compiled_versions():
+    """How many compiled versions there are of each kernel of features and models."""
+    versions = {}
+    for package in (reflest_core.features, reflest_core.models):
+        for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
+            content = vars(importlib.import_module(module.name))
+            for name, value in content.items():
+                if isinstance(value, CPUDispatcher):
+                    versions[f"{module.name}.{name}"] = len(value.signatures)
+    return versions
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_no_kernel_is_compiled_afterwards(model):
+    estimator = Estimator(EstimationSettings(model=model, up=(0.0, -1.0, 0.0)))
+    warm_up(estimator)
+    before = compiled_versions()
+    surface = sphere_surface(voxels=1000)
+    unknown = dataclasses.replace(surface, view_background=np.full((40, 3), np.nan, np.float32))
+    for scan in (surface, unknown):
+        estimator.estimate(scan, 0, "")
+    assert compiled_versions() == before
+    assert before["reflest_core.features.voxel_choice._k_centre_clusters"] == 1
