@@ -49,7 +49,8 @@ class InputTopic:
 def input_topics(node: Node, settings: NodeSettings, capture: CaptureSettings) -> list[InputTopic]:
     """Every topic that the settings ask for, under its full name.
 
-    Raises :class:`ReflestError` where poses shall come from tf and tf2_msgs is not installed.
+    Raises :class:`ReflestError` for a name that is none, and where poses shall come from tf and
+    tf2_msgs is not installed.
     """
     transports = {
         Role.RGB: settings.input.rgb_transport,
@@ -110,7 +111,11 @@ def _named(node: Node, settings: NodeSettings, relative: str) -> str:
     resolved: str = node.resolve_topic_name(relative)
     if resolved != node.resolve_topic_name(relative, only_expand=True):
         return resolved
-    return str(node.resolve_topic_name(getattr(settings.topics, relative)))
+    name = getattr(settings.topics, relative)
+    try:
+        return str(node.resolve_topic_name(name))
+    except RuntimeError as error:
+        raise ReflestError(f"topics.{relative} = {name!r} is no topic name: {error}") from error
 
 
 def _image_topic(base: str, transport: str) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.exceptions import ParameterException
 from rclpy.node import Node
 from rclpy.qos import QoSPolicyKind
 from rclpy.qos_overriding_options import QoSOverridingOptions
@@ -16,6 +17,7 @@ from rclpy.subscription import Subscription
 from reflest_core.capture.messages import Role, SensorMessage
 from reflest_core.capture.refusal import FrameRefused
 from reflest_core.capture.settings import CaptureSettings
+from reflest_core.errors import ReflestError
 from reflest_ros.input_topics import InputTopic, input_topics
 from reflest_ros.qos_problem import qos_problem
 from reflest_ros.settings import NodeSettings
@@ -90,12 +92,20 @@ class Inputs:
         """Subscribe to each topic; ``sink`` gets the messages, in the executor's threads.
 
         Each topic's quality of service can be overridden by the parameters
-        ``qos_overrides.TOPIC.subscription.{reliability,durability,history,depth}``.
+        ``qos_overrides.TOPIC.subscription.{reliability,durability,history,depth}``; raises
+        :class:`ReflestError` naming the topic where one of these cannot be used.
         """
         for topic, state in self._listened:
             state.last_arrival = time.monotonic()
             state.qos_problem = ""
-            self._subscriptions.append(self._subscribed(topic, state, sink.offer))
+            try:
+                self._subscriptions.append(self._subscribed(topic, state, sink.offer))
+            except (RuntimeError, ParameterException) as error:
+                self.deactivate()
+                raise ReflestError(
+                    f"{topic.name} cannot be subscribed to: {error}; mend its parameters "
+                    f"qos_overrides.{topic.name}.subscription"
+                ) from error
 
     def deactivate(self) -> None:
         """Drop the subscriptions."""
