@@ -19,6 +19,7 @@ from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.keyframe import KeyframePolicy
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.scan import Scan
+from reflest_core.fusion.settings import RegionSettings
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ class Scanner:
         return ScannedFrame(fused, self.snapshot())
 
     def snapshot(self) -> KeyframeSnapshot:
-        """A frozen copy of the scan to estimate from, with the last fused frame's stamp and pose."""
+        """A frozen copy of the scan to estimate from, with the last frame's stamp and pose."""
         scan = self.scan
         return KeyframeSnapshot(
             scan.last_stamp_ns or 0, scan.frame_id, scan.snapshot(), scan.world_frame_id,
@@ -82,6 +83,13 @@ class Scanner:
         """Go on with frames of any stamp, as after a clock jump; what was scanned stays."""
         self.scan.restart_clock()
         self.keyframes.reset()
+
+    def set_region(self, region: RegionSettings) -> None:
+        """Begin a scan of another region of interest, unless it is the one that is scanned."""
+        if region != self.scan.region_settings:
+            self.scan.set_region(region)
+            self.keyframes.reset()
+            self._last_pose = None
 
     def reset(self) -> None:
         """Forget everything that was scanned."""

@@ -42,9 +42,7 @@ class Scan:
 
     def __init__(self, fusion: FusionSettings, region: RegionSettings) -> None:
         self.fusion = fusion
-        self.region_settings = region
-        self.region = Region.from_settings(region)
-        self.reset()
+        self.set_region(region)
 
     def reset(self) -> None:
         """Forget everything that was scanned."""
@@ -63,6 +61,15 @@ class Scan:
         self.frame_id = ""
         self.world_frame_id = ""
         self._clock_ns: int | None = None
+
+    def set_region(self, region: RegionSettings) -> None:
+        """Begin a scan of another region.
+
+        What was scanned is forgotten: F and B of the stored views belong to the old region.
+        """
+        self.region_settings = region
+        self.region = Region.from_settings(region)
+        self.reset()
 
     def restart_clock(self) -> None:
         """Take any stamp next, as after a clock jump; what was scanned stays."""
