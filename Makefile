@@ -20,7 +20,7 @@ TEST_REQUIREMENTS := reflest_core/requirements-synbrdf.txt reflest_core/requirem
 INTERFACES := CMakeLists.txt package.xml setup.py pyproject.toml $(wildcard msg/*.msg srv/*.srv)
 requirement_flags = $(foreach file,$(1),-r $(file))
 
-.PHONY: demo test lint set-up clean
+.PHONY: demo test bench lint set-up clean
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/run.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
@@ -28,6 +28,9 @@ demo: $(VENV)/run.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
 
 test: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
 	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+bench: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
+	$(BIN)/python -m benchmarks $(BENCH_ARGS)
 
 lint: $(VENV)/test.stamp $(VENV)/interfaces.stamp
 	$(BIN)/ruff check .

@@ -92,13 +92,10 @@ def _frame_path_and_peers(
         f"{MEASUREMENTS}.frame_path", threads, capture=capture, frames=frames,
         memory_frames=plan.memory_frames, is_table=is_table, threads=threads,
     )  # fmt: skip
-    peers = {
-        name: measured(
-            f"{MEASUREMENTS}.open3d_grid", threads, capture=capture, frames=path["frames"],
-            used=min(plan.peer_frames, path["frames"]), with_colour=with_colour, is_table=is_table,
-        )
-        for name, with_colour in (("colour", True), ("depth only", False))
-    }  # fmt: skip
+    peers = measured(
+        f"{MEASUREMENTS}.open3d_grid", threads, capture=capture, frames=path["frames"],
+        used=min(plan.peer_frames, path["frames"]), is_table=is_table,
+    )  # fmt: skip
     return path, peers
 
 

@@ -30,8 +30,17 @@ INTEGRATE, BLOCK_LIST = "integrate", "block list"
 IN_REGION = ", depth cut to the region"
 
 
-def measure(
-    capture: str, frames: int, used: int, with_colour: bool, is_table: bool
+def measure(capture: str, frames: int, used: int, is_table: bool) -> dict[str, Any]:
+    """With colour, as scanners use it, and depth only, as we do."""
+    kinds = (("colour", True), ("depth only", False))
+    return {
+        name: _fused(Path(capture), frames, used, with_colour, is_table)
+        for name, with_colour in kinds
+    }
+
+
+def _fused(
+    capture: Path, frames: int, used: int, with_colour: bool, is_table: bool
 ) -> dict[str, Any]:
     """Integrate ``used`` of the first ``frames``, evenly spread, at the default voxel size.
 
@@ -44,7 +53,7 @@ def measure(
     seconds: dict[str, list[float]] = defaultdict(list)
     by_stamp: dict[str, float] = {}
     stride = max(frames // used, 1)
-    for frame in itertools.islice(open_capture(Path(capture)), 0, stride * used, stride):
+    for frame in itertools.islice(open_capture(capture), 0, stride * used, stride):
         depth = np.rint(frame.depth * DEPTH_SCALE).astype(np.uint16)
         fused = [(whole, depth, "")]
         if is_table:

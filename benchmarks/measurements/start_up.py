@@ -18,8 +18,8 @@ LATER_FRAMES = 60
 
 
 def measure(capture: str, starts: int) -> dict[str, Any]:
-    """Start ``starts`` processes one after another, and one before, which warms the disk."""
-    runs = [_started(capture) for _ in range(1 + starts)][1:]
+    """Start ``starts`` processes one after another."""
+    runs = [_started(capture) for _ in range(starts)]
     timings = [Timing.of(phase, [run[phase] for run in runs]) for phase in runs[0]]
     return {"phases": [dataclasses.asdict(one) for one in timings]}
 

@@ -11,6 +11,9 @@ matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+
+from benchmarks.measurements.open3d_grid import INTEGRATE
 
 FRAME_TIME_MS = 1000.0 / 30.0
 COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:red", "tab:purple")
@@ -19,7 +22,7 @@ COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:red", "tab:purple")
 def plot_frames(results: dict[str, Any], path: Path) -> None:
     """What a frame costs by voxel size, resolution and region; each frame is a new view."""
     growth = results["growth_of_fusion"]
-    figure, axes = plt.subplots(1, 3, figsize=(12, 3.6), sharey=True)
+    figure, axes = plt.subplots(1, 3, figsize=(12, 3.8), sharey=True)
     panels = (
         ("voxel size", [f"{one['voxel_size_mm']:g} mm" for one in growth["voxel_size"]]),
         ("resolution", [f"{one['width']} x {one['height']}" for one in growth["resolution"]]),
@@ -27,20 +30,34 @@ def plot_frames(results: dict[str, Any], path: Path) -> None:
     )
     for axis, (title, labels) in zip(axes, panels, strict=True):
         timings = [one["fuse"] for one in growth[title.replace(" ", "_")]]
-        places = range(len(labels))
-        axis.bar(places, [one["p95_ms"] for one in timings], color="lightsteelblue", label="p95")
-        axis.bar(places, [one["p50_ms"] for one in timings], color="steelblue", label="median")
-        axis.axhline(FRAME_TIME_MS, color="black", linewidth=0.8, linestyle=":")
-        for place, one in zip(places, timings, strict=True):
-            axis.text(place, one["p95_ms"], f" {one['p50_ms']:.0f} ms", ha="center", va="bottom")
-        axis.set_xticks(list(places), labels)
+        places = list(range(len(labels)))
+        medians, tails = [one["p50_ms"] for one in timings], [one["p95_ms"] for one in timings]
+        axis.vlines(places, medians, tails, color="tab:blue")
+        axis.plot(places, tails, "_", color="tab:blue", markersize=12, label="ours, p95")
+        axis.plot(places, medians, "o", color="tab:blue", label="ours, median")
+        for place, median in zip(places, medians, strict=True):
+            axis.annotate(f"{median:.3g}", (place, median), (8, -4), textcoords="offset points")
+        axis.axhline(FRAME_TIME_MS, color="black", linewidth=0.8, linestyle=":", label="30 Hz")
+        axis.axhline(
+            _open3d_ms(results), color="tab:red", linewidth=0.8, linestyle="--",
+            label="Open3D with colour, 5 mm, no region",
+        )  # fmt: skip
+        axis.set_xticks(places, labels)
+        axis.set_xlim(-0.5, len(labels) - 0.3)
         axis.set_title(f"by {title}")
         axis.set_yscale("log")
-        axis.margins(y=0.15)
+        axis.grid(axis="y", alpha=0.3)
+        _plain_numbers(axis)
     axes[0].set_ylabel("fusion of one frame (ms)")
-    axes[0].legend(loc="upper left", fontsize="small")
-    axes[2].text(-0.45, FRAME_TIME_MS * 1.05, "30 frames a second", fontsize="small")
+    axes[0].legend(loc="best", fontsize="small")
     _finish(figure, path)
+
+
+def _open3d_ms(results: dict[str, Any]) -> float:
+    """Median of the peer's integration, with as many threads as growth was measured with."""
+    most = max(results["open3d"], key=int)
+    stages = results["open3d"][most]["colour"]["stages"]
+    return float(next(one["p50_ms"] for one in stages if one["name"] == INTEGRATE))
 
 
 def plot_estimates(results: dict[str, Any], path: Path) -> None:
@@ -66,8 +83,13 @@ def _lines(axis: Axes, scans: list[dict[str, Any]], x: str, label: str) -> None:
         )
     axis.set_xscale("log")
     axis.set_yscale("log")
+    _plain_numbers(axis)
     axis.set_xlabel(label)
     axis.grid(alpha=0.3)
+
+
+def _plain_numbers(axis: Axes) -> None:
+    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def _finish(figure: Figure, path: Path) -> None:
