@@ -1,4 +1,4 @@
-"""Compressed images: jpeg and png colour, 16-bit png depth, image_transport's compressedDepth."""
+"""Compressed images: jpeg and png; 16-bit png depth and compressedDepth (png, rvl)."""
 
 from __future__ import annotations
 
@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 from reflest_core.capture.compressed_header import CompressedHeader, read_header
 from reflest_core.capture.messages import CompressedImageMessage
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
+from reflest_core.capture.rvl import decode_rvl
 
 MOST_PIXELS = 2**26  # a larger one is refused before it is unpacked into memory
 # compressedDepth's ConfigHeader: int32 format, then float32 a and b with depth = a / (value - b).
 DEPTH_HEADER = struct.Struct("<iff")
+RVL_SIZE = struct.Struct("<II")  # columns, rows
 
 
 def decode_compressed_colour(message: CompressedImageMessage, topic: str) -> NDArray[np.uint8]:
@@ -47,15 +49,31 @@ def decode_compressed_depth(
             raise _cut_off(message, topic)
         _, a, b = DEPTH_HEADER.unpack_from(data)
         data = data[DEPTH_HEADER.size :]
-    header = _checked_header(data, message, topic)
-    if header.kind != "png" or header.bit_depth != 16 or header.channels != 1:
-        raise _unsupported(message, topic, "depth: publish 16-bit png or compressedDepth png")
-    units = _unpack(data, cv2.IMREAD_UNCHANGED, header, message, topic)
+    is_rvl = message.format.endswith("compressedDepth rvl")
+    units = _rvl_units(data, message, topic) if is_rvl else _png_units(data, message, topic)
     if not message.format.startswith("32FC1"):
-        return units.astype(np.uint16)
+        return units
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         metres = np.float32(a) / (units.astype(np.float32) - np.float32(b))
     return np.where(units == 0, np.float32(0.0), metres)
+
+
+def _png_units(data: bytes, message: CompressedImageMessage, topic: str) -> NDArray[np.uint16]:
+    header = _checked_header(data, message, topic)
+    if header.kind != "png" or header.bit_depth != 16 or header.channels != 1:
+        raise _unsupported(message, topic, "depth: publish 16-bit png or compressedDepth")
+    return _unpack(data, cv2.IMREAD_UNCHANGED, header, message, topic).astype(np.uint16)
+
+
+def _rvl_units(data: bytes, message: CompressedImageMessage, topic: str) -> NDArray[np.uint16]:
+    if len(data) < RVL_SIZE.size:
+        raise _cut_off(message, topic)
+    width, height = RVL_SIZE.unpack_from(data)
+    _check_pixel_count(width, height, topic)
+    units = decode_rvl(data[RVL_SIZE.size :], height, width)
+    if units is None:
+        raise _cut_off(message, topic)
+    return units
 
 
 def decode_compressed_mask(message: CompressedImageMessage, topic: str) -> NDArray[np.uint8]:
@@ -77,16 +95,20 @@ def _checked_header(data: bytes, message: CompressedImageMessage, topic: str) ->
         if not data:
             raise _cut_off(message, topic)
         raise _unsupported(message, topic, "an image: publish jpeg or png")
-    if not 0 < header.width * header.height <= MOST_PIXELS:
-        raise FrameRefused(
-            RefusalCause.SIZE,
-            f"{topic}: a compressed image of {header.width} x {header.height} pixels is refused, "
-            f"the limit is {MOST_PIXELS} pixels",
-        )
+    _check_pixel_count(header.width, header.height, topic)
     # Decoders fill what is missing with grey and say nothing, so the end must be there.
     if not header.is_complete:
         raise _cut_off(message, topic)
     return header
+
+
+def _check_pixel_count(width: int, height: int, topic: str) -> None:
+    if not 0 < width * height <= MOST_PIXELS:
+        raise FrameRefused(
+            RefusalCause.SIZE,
+            f"{topic}: a compressed image of {width} x {height} pixels is refused, the limit is "
+            f"{MOST_PIXELS} pixels",
+        )
 
 
 def _unpack(

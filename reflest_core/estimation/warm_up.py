@@ -1,4 +1,4 @@
-"""Compiles fusion and estimation before the first real frame has to wait for it.
+"""Compiles capture, fusion and estimation before the first real frame has to wait for it.
 
 ``python -m reflest_core.estimation.warm_up`` does so after an installation.
 """
@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from reflest_core.capture import warm_up as capture
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.fusion import warm_up as fusion
@@ -19,6 +20,7 @@ SIDE, VIEWS = 32, 6
 
 def warm_up(estimator: Estimator) -> None:
     """Run every kernel once. Takes a second; half a minute on the first start."""
+    capture.warm_up()
     fusion.warm_up()
     estimator.estimate(_grey_wall(), 0, "")
 

@@ -1,0 +1,16 @@
+"""Compile capture's kernels, or load them from the cache, before messages wait for them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from reflest_core.capture.camera import CameraIntrinsics
+from reflest_core.capture.depth_registration import register_depth
+from reflest_core.capture.rvl import decode_rvl
+
+
+def warm_up() -> None:
+    """Run every kernel once."""
+    pixel = CameraIntrinsics(width=1, height=1, fx=1.0, fy=1.0, cx=0.0, cy=0.0)
+    register_depth(np.ones((1, 1), np.float32), pixel, np.eye(4), pixel)
+    decode_rvl(bytes(4), 1, 1)
