@@ -15,7 +15,7 @@ from scipy.ndimage import binary_dilation
 
 from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.synbrdf.environment_lookup import radiance_from
-from reflest_core.synbrdf.mitsuba_scene import RadianceTracer, first_hits
+from reflest_core.synbrdf.mitsuba_scene import RadianceTracer, first_hits, first_normals
 from reflest_core.synbrdf.sparse_scene import camera_rays
 
 SUBPIXELS = 2
@@ -24,14 +24,17 @@ SUBPIXELS = 2
 
 @dataclass(frozen=True)
 class FullImage:
-    """``radiance``: (H, W, 3) float32, linear Rec. 709. ``depth``: (H, W) float32, see below.
+    """``radiance``: (H, W, 3) float32, linear Rec. 709; the rest is exact at the pixel centres.
 
-    Depth is Z along the optical axis in metres, exact at the pixel centre; 0 where the environment
-    is seen.
+    ``depth``: (H, W) float32, Z along the optical axis in metres, 0 where the environment is seen.
+    ``normals``: (H, W, 3) float32, unit, world frame, as shaded; 0 where depth is 0. ``cosines``:
+    (H, W) float32, between the normal and the direction to the camera.
     """
 
     radiance: NDArray[np.float32]
     depth: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    cosines: NDArray[np.float32]
 
 
 class FullImageRenderer:
@@ -65,9 +68,13 @@ class FullImageRenderer:
         radiance[near] = self._traced(rendered, pose, near, seed)
         image = radiance.reshape(*shape, 3)
         denoised = _denoised(image)
+        normals = first_normals(rendered, origins, directions)
+        cosines = np.abs(np.einsum("ij,ij->i", normals, directions))
         return FullImage(
             np.where(near.reshape(shape)[..., None], denoised, image),
             depth.reshape(shape).astype(np.float32),
+            normals.reshape(*shape, 3),
+            cosines.reshape(shape),
         )
 
     def _traced(

@@ -102,3 +102,15 @@ def first_hits(
     hit = scene.ray_intersect_preliminary(ray)
     distance = np.array(hit.t, dtype=np.float32)
     return np.where(np.array(hit.is_valid()), distance, np.float32(math.inf))
+
+
+def first_normals(
+    scene: Any, origins: NDArray[np.float32], directions: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Unit shading normals (R, 3), world frame, where each ray first hits; 0 where it does not."""
+    ray = mi.Ray3f(
+        mi.Point3f(np.ascontiguousarray(origins.T)), mi.Vector3f(np.ascontiguousarray(directions.T))
+    )
+    hit = scene.ray_intersect(ray)
+    normal = dr.select(hit.is_valid(), dr.normalize(hit.sh_frame.n), mi.Normal3f(0.0))
+    return np.ascontiguousarray(np.array(normal, dtype=np.float32).T)

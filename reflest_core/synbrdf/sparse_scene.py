@@ -40,6 +40,20 @@ class SparseSettings:
     thumbnail_samples: int = 4
 
 
+@dataclass(frozen=True)
+class Overview:
+    """A scene as Mitsuba holds it, a small image of every view, and what is metered of them.
+
+    ``foreground``, ``background``: (W, 3) float32, F and B. ``exposure``: see ``SynbrdfScene``.
+    """
+
+    rendered: Any
+    exposure: float
+    thumbnails: Thumbnails
+    foreground: NDArray[np.float32]
+    background: NDArray[np.float32]
+
+
 class SparseRenderer:
     """Renders scenes one after another with one set of kernels."""
 
@@ -51,29 +65,23 @@ class SparseRenderer:
 
     def render(self, scene: Scene, seed: int) -> SynbrdfScene:
         """Trace every visible pair of point and view; the same seed gives the same scene."""
-        rng = generator(seed, scene.split, scene.index, Purpose.TRACE)
-        trace_seed = int(rng.integers(2**31))
-        self.bsdf.set_parameters(scene.material)
-        rendered = mitsuba_scene(scene.mesh, self.bsdf, scene.light.radiance)
+        rng, trace_seed = _tracing(scene, seed)
+        overview = self._overview(scene, trace_seed)
         positions, normals = draw_surface_points(scene.mesh, self.settings.points, rng)
         centres = scene.poses[:, :3, 3].astype(np.float32)
-        point_of, view_of = visible_pairs(rendered, positions, normals, centres)
+        point_of, view_of = visible_pairs(overview.rendered, positions, normals, centres)
         directions = _unit(positions[point_of] - centres[view_of])
-        radiance = self.tracer.trace(rendered, centres[view_of], directions, trace_seed)
-        thumbnails, is_foreground = self._thumbnails(rendered, scene.poses, trace_seed)
-        exposure = auto_exposure(thumbnails)
-        foreground, background = mean_colours(expose(thumbnails, exposure), is_foreground)
+        radiance = self.tracer.trace(overview.rendered, centres[view_of], directions, trace_seed)
         counts = np.bincount(point_of, minlength=len(positions))
-        image_shape = (len(centres), THUMBNAIL.height, THUMBNAIL.width, 3)
         surface = ObservedSurface(
             positions=positions,
             normals=normals,
             offsets=np.concatenate([[0], np.cumsum(counts)]),
-            colours=expose(radiance, exposure),
+            colours=expose(radiance, overview.exposure),
             view_indices=view_of.astype(np.uint16),
             view_centres=centres,
-            view_foreground=foreground,
-            view_background=background,
+            view_foreground=overview.foreground,
+            view_background=overview.background,
         )
         return SynbrdfScene(
             surface=surface,
@@ -84,23 +92,38 @@ class SparseRenderer:
             environment_rotation=scene.light.rotation,
             shape=scene.shape,
             view_pattern=scene.view_pattern,
-            exposure=exposure,
+            exposure=overview.exposure,
             radiance=radiance.astype(np.float16),
-            thumbnails=Thumbnails(
-                rgbe=rgbe.encode(thumbnails.reshape(image_shape)),
-                is_object=is_foreground.reshape(image_shape[:3]),
-                T_world_camera=scene.poses.astype(np.float32),
-            ),
+            thumbnails=overview.thumbnails,
         )
 
-    def _thumbnails(
-        self, rendered: Any, poses: NDArray[np.float64], seed: int
-    ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-        """Radiance (W, P, 3) and where the object is (W, P) in a small image of every view."""
-        origins, directions = camera_rays(THUMBNAIL, poses)
+    def overview(self, scene: Scene, seed: int) -> Overview:
+        """What :meth:`render` first looks at: the same exposure and thumbnails."""
+        return self._overview(scene, _tracing(scene, seed)[1])
+
+    def _overview(self, scene: Scene, trace_seed: int) -> Overview:
+        self.bsdf.set_parameters(scene.material)
+        rendered = mitsuba_scene(scene.mesh, self.bsdf, scene.light.radiance)
+        origins, directions = camera_rays(THUMBNAIL, scene.poses)
         hits = np.isfinite(first_hits(rendered, origins, directions))
-        radiance = self.thumbnails.trace(rendered, origins, directions, seed + 1)
-        return radiance.reshape(len(poses), -1, 3), hits.reshape(len(poses), -1)
+        traced = self.thumbnails.trace(rendered, origins, directions, trace_seed + 1)
+        images = traced.reshape(len(scene.poses), -1, 3)
+        is_object = hits.reshape(len(scene.poses), -1)
+        exposure = auto_exposure(images)
+        foreground, background = mean_colours(expose(images, exposure), is_object)
+        shape = (len(scene.poses), THUMBNAIL.height, THUMBNAIL.width)
+        thumbnails = Thumbnails(
+            rgbe=rgbe.encode(images.reshape(*shape, 3)),
+            is_object=is_object.reshape(shape),
+            T_world_camera=scene.poses.astype(np.float32),
+        )
+        return Overview(rendered, exposure, thumbnails, foreground, background)
+
+
+def _tracing(scene: Scene, seed: int) -> tuple[np.random.Generator, int]:
+    """The stream that surface points come from, and the seed of light paths drawn before them."""
+    rng = generator(seed, scene.split, scene.index, Purpose.TRACE)
+    return rng, int(rng.integers(2**31))
 
 
 def camera_rays(

@@ -9,12 +9,10 @@ from numpy.typing import NDArray
 
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.synbrdf.exposure import expose
-from reflest_core.synbrdf.realism.colour_drift import draw_view_gains
+from reflest_core.synbrdf.realism.camera_faults import CameraFaults, draw_camera_faults
 from reflest_core.synbrdf.realism.depth_holes import hole_probability
 from reflest_core.synbrdf.realism.fused_surface import fused
-from reflest_core.synbrdf.realism.jpeg import compression_error, draw_quality
-from reflest_core.synbrdf.realism.pose_jitter import jittered
-from reflest_core.synbrdf.realism.sensor_noise import SensorNoise
+from reflest_core.synbrdf.realism.jpeg import compression_error
 from reflest_core.synbrdf.realism.settings import LOSSLESS, Effect, Realism, streams
 from reflest_core.synbrdf.realism.view_images import meter, with_gains
 from reflest_core.synbrdf.scene_file import SynbrdfScene
@@ -31,12 +29,14 @@ def degrade(scene: SynbrdfScene, realism: Realism, rng: np.random.Generator) -> 
     the depth image. The truth and ``exposure`` stay. The scene given must not be degraded already.
     """
     stream = streams(rng)
+    poses = scene.thumbnails.T_world_camera.astype(np.float64)
+    faults = draw_camera_faults(realism, meter(scene.thumbnails), poses, stream)
     if realism.is_on(Effect.DEPTH):
-        scene = _without_holes(scene, realism, stream[Effect.DEPTH])
+        scene = _without_holes(scene, faults, stream[Effect.DEPTH])
     if any(realism.is_on(effect) for effect in COLOUR_EFFECTS):
-        scene = _with_colours(scene, realism, stream)
+        scene = _with_colours(scene, faults, stream)
     if realism.is_on(Effect.POSE):
-        scene = _with_poses(scene, realism, stream[Effect.POSE])
+        scene = _with_poses(scene, faults.poses.astype(np.float32))
     if realism.is_on(Effect.NORMALS):
         surface = scene.surface
         positions, normals = fused(
@@ -47,12 +47,14 @@ def degrade(scene: SynbrdfScene, realism: Realism, rng: np.random.Generator) -> 
     return scene
 
 
-def _without_holes(scene: SynbrdfScene, realism: Realism, rng: np.random.Generator) -> SynbrdfScene:
+def _without_holes(
+    scene: SynbrdfScene, faults: CameraFaults, rng: np.random.Generator
+) -> SynbrdfScene:
     surface = scene.surface
     point_of = np.repeat(np.arange(surface.voxel_count), surface.observation_counts)
     cosines = np.einsum("ij,ij->i", surface.view_directions(), surface.normals[point_of])
-    degree = realism.depth_holes * rng.uniform()
-    lost = rng.random(len(cosines), np.float32) < degree * hole_probability(cosines)
+    chance = faults.depth_sensor.holes * hole_probability(cosines)
+    lost = rng.random(len(cosines), np.float32) < chance
     return dataclasses.replace(scene, surface=_keep(surface, ~lost), radiance=scene.radiance[~lost])
 
 
@@ -67,18 +69,15 @@ def _keep(surface: ObservedSurface, kept: NDArray[np.bool_]) -> ObservedSurface:
 
 
 def _with_colours(
-    scene: SynbrdfScene, realism: Realism, stream: dict[Effect, np.random.Generator]
+    scene: SynbrdfScene, faults: CameraFaults, stream: dict[Effect, np.random.Generator]
 ) -> SynbrdfScene:
     surface, thumbnails = scene.surface, scene.thumbnails
-    gains = draw_view_gains(realism, meter(thumbnails), stream)
-    images = with_gains(thumbnails, scene.exposure, gains)
-    radiance = scene.radiance.astype(np.float32) * gains[surface.view_indices]
-    noise = SensorNoise.drawn(realism, stream[Effect.SENSOR])
-    signal = noise.applied(radiance * np.float32(scene.exposure), stream[Effect.SENSOR])
+    images = with_gains(thumbnails, scene.exposure, faults.gains)
+    radiance = scene.radiance.astype(np.float32) * faults.gains[surface.view_indices]
+    signal = faults.noise.applied(radiance * np.float32(scene.exposure), stream[Effect.SENSOR])
     colours = expose(signal, 1.0)
-    quality = draw_quality(realism, stream[Effect.JPEG])
-    if quality < LOSSLESS:
-        error = compression_error(len(colours), quality, stream[Effect.JPEG])
+    if faults.jpeg_quality < LOSSLESS:
+        error = compression_error(len(colours), faults.jpeg_quality, stream[Effect.JPEG])
         colours = np.clip(np.rint(colours + error), 0, 255).astype(np.uint8)
     return dataclasses.replace(
         scene,
@@ -93,11 +92,7 @@ def _with_colours(
     )
 
 
-def _with_poses(scene: SynbrdfScene, realism: Realism, rng: np.random.Generator) -> SynbrdfScene:
-    thumbnails = scene.thumbnails
-    reported = jittered(thumbnails.T_world_camera.astype(np.float64), realism, rng)
-    poses = reported.astype(np.float32)
+def _with_poses(scene: SynbrdfScene, poses: NDArray[np.float32]) -> SynbrdfScene:
     surface = dataclasses.replace(scene.surface, view_centres=poses[:, :3, 3].copy())
-    return dataclasses.replace(
-        scene, surface=surface, thumbnails=dataclasses.replace(thumbnails, T_world_camera=poses)
-    )
+    thumbnails = dataclasses.replace(scene.thumbnails, T_world_camera=poses)
+    return dataclasses.replace(scene, surface=surface, thumbnails=thumbnails)
