@@ -15,9 +15,9 @@ class ModelChoice:
 
 
 MODELS = {
-    "hemicnn": ModelChoice("hemicnn", 25, "hemicnn.safetensors"),
-    "grouplet-fast": ModelChoice("grouplet", 20, "grouplet.safetensors"),
-    "grouplet-slow": ModelChoice("grouplet", 354, "grouplet.safetensors"),
+    "hemicnn": ModelChoice("hemicnn", 25, "hemicnn-rmse1.safetensors"),
+    "grouplet-fast": ModelChoice("grouplet", 20, "grouplet-rmse1.safetensors"),
+    "grouplet-slow": ModelChoice("grouplet", 354, "grouplet-rmse1.safetensors"),
 }
 
 DEVICES = ("cpu", "cuda")

@@ -96,7 +96,7 @@ def test_cuda_without_pytorch_is_refused_with_the_knob(monkeypatch):
 
 def test_the_number_of_threads_changes_no_bit():
     drawn = draw_grouplets(SURFACE, choose_voxels(SURFACE, 354), 0)
-    tensors, _, _ = load_weights(SHIPPED / "grouplet.safetensors")
+    tensors, _, _ = load_weights(SHIPPED / "grouplet-rmse1.safetensors")
     one, many = (LiveGrouplet(tensors, threads) for threads in (1, 3))
     expected = one.evaluate(drawn)
     for network in (one, many, many):
