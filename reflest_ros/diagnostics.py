@@ -23,13 +23,13 @@ WINDOW = 5.0
 
 @dataclass
 class _Watched:
-    """A session, what it counted of late, and who watches its inputs while they are subscribed."""
+    """A session, who watches its inputs, and what it counted of late."""
 
     session: ScanSession
+    silence: SilenceWatch
     messages: RecentCounts[Role]
     frames: RecentCounts[str]
     refusals: RecentCounts[RefusalCause]
-    silence: SilenceWatch | None = None
 
 
 class Diagnostics:
@@ -47,16 +47,9 @@ class Diagnostics:
         self._watched = None
         if session is not None:
             self._watched = _Watched(
-                session, RecentCounts(WINDOW), RecentCounts(WINDOW), RecentCounts(WINDOW)
-            )
-
-    def expect_input(self, is_expected: bool) -> None:
-        """Whether the session's inputs are subscribed, so that their silence is worth a warning."""
-        if self._watched is not None:
-            inputs = self._watched.session.inputs.states
-            self._watched.silence = (
-                SilenceWatch(self._node, inputs, self._settings.silence) if is_expected else None
-            )
+                session, SilenceWatch(self._node, session.inputs.states, self._settings.silence),
+                RecentCounts(WINDOW), RecentCounts(WINDOW), RecentCounts(WINDOW),
+            )  # fmt: skip
 
     def publish(self) -> None:
         """Publish the state as it is now."""
@@ -70,7 +63,7 @@ class Diagnostics:
             status.message = "not configured"
         else:
             _sample(watched)
-            status.message = "scanning" if watched.silence else "paused"
+            status.message = "scanning" if watched.session.is_active else "paused"
             if warnings := _warnings(watched):
                 status.level = DiagnosticStatus.WARN
                 status.message = "; ".join(warnings)
@@ -129,7 +122,7 @@ def _warnings(watched: _Watched) -> list[str]:
     """What is wrong now, most basic first."""
     session = watched.session
     warnings = [one.qos_problem for one in session.inputs.states if one.qos_problem]
-    if watched.silence is not None and (silence := watched.silence.check()):
+    if session.is_active and (silence := watched.silence.check()):
         warnings.append(silence)
     refusals = session.assembler.refusals
     warnings += [

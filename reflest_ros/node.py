@@ -7,6 +7,7 @@ import traceback
 from collections.abc import Callable
 from typing import Any
 
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
@@ -15,6 +16,7 @@ from reflest_core.estimation.settings import ReflestSettings
 from reflest_ros.diagnostics import Diagnostics
 from reflest_ros.node_name import NODE_NAME
 from reflest_ros.parameters import declare_parameters, guard_parameters
+from reflest_ros.pause_services import PauseServices
 from reflest_ros.scan_session import ScanSession
 
 
@@ -31,11 +33,12 @@ class EstimatorNode(LifecycleNode):
         self._failure: ReflestError | None = None
         self._node_settings, self._settings = declare_parameters(self)
         guard_parameters(self, self._apply)
+        PauseServices(self, self._is_active, lambda: self._failure)
         self._diagnostics = Diagnostics(self, self._node_settings.input, self._settings.fusion)
-        # Diagnostics go on where simulated time stands still.
+        # Diagnostics go on where simulated time stands still, and during transitions.
         self.create_timer(
             self._node_settings.input.diagnostics_period, self._diagnostics.publish,
-            clock=Clock(clock_type=ClockType.STEADY_TIME),
+            MutuallyExclusiveCallbackGroup(), Clock(clock_type=ClockType.STEADY_TIME),
         )  # fmt: skip
 
     def bring_up(self) -> None:
@@ -107,14 +110,12 @@ class EstimatorNode(LifecycleNode):
     def _activate(self) -> None:
         session = self._configured
         session.activate()
-        self._diagnostics.expect_input(True)
         self.get_logger().info(
             f"listening to {', '.join(session.inputs.topics.values())}; publishing "
             f"{session.output.topic} ({session.scanner.estimator.predictor.model_id})"
         )
 
     def _deactivate(self) -> None:
-        self._diagnostics.expect_input(False)
         self._configured.deactivate()
         self.get_logger().info("paused: the scan is kept")
 
@@ -123,6 +124,9 @@ class EstimatorNode(LifecycleNode):
         if session is not None:
             self._diagnostics.watch(None)
             session.close()
+
+    def _is_active(self) -> bool | None:
+        return None if self._session is None else self._session.is_active
 
     @property
     def _configured(self) -> ScanSession:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 from rclpy.node import Node
 
@@ -13,10 +14,12 @@ from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.estimation.warm_up import warm_up
 from reflest_core.fusion.keyframe import KeyframePolicy
+from reflest_core.fusion.settings import RegionSettings
 from reflest_ros.estimate_output import EstimateOutput
+from reflest_ros.estimate_services import EstimateServices
 from reflest_ros.estimation_worker import EstimationWorker
 from reflest_ros.fusion_worker import FusionWorker
-from reflest_ros.services import ScanServices
+from reflest_ros.scan_services import ScanServices
 from reflest_ros.settings import NodeSettings
 from reflest_ros.subscriptions import Inputs
 from reflest_ros.views import VIEWS
@@ -41,29 +44,35 @@ class ScanSession:
         self.scanner = Scanner(settings)
         warm_up(self.scanner.estimator)
         self.assembler = FrameAssembler(settings.capture, self.inputs.topics, self._on_refusal)
+        self.is_active = False
         self.output = EstimateOutput(node, [view(node) for view in VIEWS])
         self.estimation = EstimationWorker(self.scanner.estimate, self.output, on_crash)
         self.fusion = FusionWorker(
             self.assembler, self.scanner, self.estimation.offer, on_crash,
             node_settings.input.queue_size, node_settings.input.settle,
         )  # fmt: skip
-        self._services = ScanServices(node, self)
+        self._services = (
+            ScanServices(node, self), EstimateServices(node, self.fusion, self.estimation)
+        )  # fmt: skip
         self.estimation.start()
         self.fusion.start()
 
     def activate(self) -> None:
         """Subscribe."""
         self.inputs.activate(self.fusion)
+        self.is_active = True
 
     def deactivate(self) -> None:
         """Unsubscribe, and fuse what had come; the scan stays."""
+        self.is_active = False
         self.inputs.deactivate()
         self.fusion.call(self.fusion.settle).result()
 
     def close(self) -> None:
         """End the threads and give everything back."""
         self.inputs.deactivate()
-        self._services.destroy()
+        for services in self._services:
+            services.destroy()
         self.fusion.stop()
         self.estimation.stop()
         self.output.destroy()
@@ -73,8 +82,18 @@ class ScanSession:
         self.fusion.reset()
         self.estimation.forget()
 
+    def load(self, path: Path) -> None:
+        """Go on from a saved scan; to be run through ``fusion.call``."""
+        self.scanner.load(path)
+        self._scan_changed()
+
     def apply(self, settings: ReflestSettings) -> None:
-        """Take changed live parameters, or refuse them with a :class:`ReflestError`."""
+        """Take changed live parameters, or refuse them with a :class:`ReflestError`.
+
+        Another region begins a new scan.
+        """
+        if settings.region != self.scanner.scan.region_settings:
+            self.fusion.call(lambda: self._set_region(settings.region)).result()
         if settings.estimation != self._settings.estimation:
             self.scanner.estimator = Estimator(settings.estimation)
         if settings.keyframe != self._settings.keyframe:
@@ -82,6 +101,14 @@ class ScanSession:
                 lambda: setattr(self.scanner, "keyframes", KeyframePolicy(settings.keyframe))
             )
         self._settings = settings
+
+    def _set_region(self, region: RegionSettings) -> None:
+        self.scanner.set_region(region)
+        self._scan_changed()
+
+    def _scan_changed(self) -> None:
+        self.fusion.count_store()
+        self.estimation.forget()
 
     def _on_refusal(self, refusal: FrameRefused, is_first: bool) -> None:
         if is_first:

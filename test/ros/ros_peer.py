@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import rclpy
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.msg import Parameter, ParameterValue, SetParametersResult
 from rcl_interfaces.srv import DescribeParameters, GetParameters, SetParameters
 from rclpy.context import Context
@@ -29,6 +29,8 @@ class RosPeer:
     def __init__(self, domain_id: int) -> None:
         self.estimates: list[BrdfEstimate] = []
         self.diagnostics: dict[str, str] = {}
+        self.state = ""
+        self.level = DiagnosticStatus.STALE
         self._changed = threading.Condition()
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain_id)
@@ -61,6 +63,19 @@ class RosPeer:
     def count(self, key: str) -> int:
         return int(self.diagnostics.get(key, "0"))
 
+    def listen(self, kind: type, topic: str) -> list[Any]:
+        """Subscribe to what the node publishes; messages are appended to the list as they come."""
+        messages: list[Any] = []
+
+        def take(message: Any) -> None:
+            with self._changed:
+                messages.append(message)
+                self._changed.notify_all()
+
+        self._node.create_subscription(kind, topic, take, OUTPUT_QOS)
+        self.wait_until(lambda: self._node.count_publishers(topic) > 0, f"nobody publishes {topic}")
+        return messages
+
     def publish(self, topic: str, message: Any) -> None:
         """Publish reliably, once the node has discovered the topic."""
         if topic not in self._outputs:
@@ -68,6 +83,15 @@ class RosPeer:
         output = self._outputs[topic]
         self.wait_until(lambda: output.get_subscription_count() > 0, f"no subscriber of {topic}")
         output.publish(message)
+
+    def is_heard(self, topic: str) -> bool:
+        """Whether anyone subscribes to a topic that was published before."""
+        return self._outputs[topic].get_subscription_count() > 0
+
+    def has_service(self, name: str) -> bool:
+        """Whether the node offers a service now."""
+        known = dict(self._node.get_service_names_and_types())
+        return f"{NODE}/{name}" in known
 
     def call(self, kind: type, name: str, **request: Any) -> Any:
         """Call a service of the node and return its response."""
@@ -99,5 +123,7 @@ class RosPeer:
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         with self._changed:
-            self.diagnostics = {pair.key: pair.value for pair in message.status[0].values}
+            (status,) = message.status
+            self.diagnostics = {pair.key: pair.value for pair in status.values}
+            self.state, self.level = status.message, status.level
             self._changed.notify_all()

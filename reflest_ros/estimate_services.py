@@ -1,0 +1,71 @@
+"""``~/estimate`` and ``~/export``: the material, from all that was scanned so far."""
+
+from __future__ import annotations
+
+import time
+
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+
+from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_core.export.material_file import export_estimate
+from reflest_ros.estimate_message import estimate_to_message
+from reflest_ros.estimation_worker import EstimationWorker
+from reflest_ros.fusion_worker import FusionWorker, Keyframe
+from reflest_ros.service_answer import answer_with, given_path
+from reflest_ros.srv import Estimate, ExportEstimate
+
+
+class EstimateServices:
+    """Both wait for fusion and estimation, while frames keep coming."""
+
+    def __init__(self, node: Node, fusion: FusionWorker, estimation: EstimationWorker) -> None:
+        self._node = node
+        self._fusion = fusion
+        self._estimation = estimation
+        # They must not hold up the subscriptions, nor one another.
+        group = ReentrantCallbackGroup()
+        self._services = [
+            node.create_service(Estimate, "~/estimate", self.estimate, callback_group=group),
+            node.create_service(ExportEstimate, "~/export", self.export, callback_group=group),
+        ]
+
+    def destroy(self) -> None:
+        """Take the services away."""
+        for service in self._services:
+            self._node.destroy_service(service)
+
+    def estimate(self, _: Estimate.Request, response: Estimate.Response) -> Estimate.Response:
+        """Estimate from all that was scanned; the answer is published as well."""
+
+        def work() -> str:
+            estimate = self._estimate_now()
+            response.estimate = estimate_to_message(estimate)
+            return _origin(estimate)
+
+        return answer_with(response, work)
+
+    def export(
+        self, request: ExportEstimate.Request, response: ExportEstimate.Response
+    ) -> ExportEstimate.Response:
+        """Estimate, and write the material as a file of another program."""
+
+        def work() -> str:
+            path = given_path(request.path)
+            estimate = self._estimate_now()
+            export_estimate(estimate, request.format, path)
+            return f"wrote {path}: {_origin(estimate)}"
+
+        return answer_with(response, work)
+
+    def _estimate_now(self) -> BrdfEstimate:
+        asked = time.monotonic()
+        snapshot = self._fusion.call(self._fusion.snapshot).result()
+        return self._estimation.request(Keyframe(snapshot, asked)).result()
+
+
+def _origin(estimate: BrdfEstimate) -> str:
+    return (
+        f"{estimate.model_id}, {estimate.ward_variant}, from {estimate.voxel_count} voxels"
+        f" and {estimate.view_count} views"
+    )

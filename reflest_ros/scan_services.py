@@ -1,0 +1,121 @@
+"""``~/reset``, ``~/save``, ``~/load`` and ``~/set_region``: what becomes of the scan."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from std_srvs.srv import Trigger
+
+from reflest_core.errors import ReflestError
+from reflest_core.estimation.scanner import Scanner
+from reflest_core.fusion.settings import RegionSettings
+from reflest_ros.fusion_worker import FusionWorker
+from reflest_ros.service_answer import answer_with, given_path
+from reflest_ros.srv import LoadScan, SaveScan, SetRegion
+
+
+class Session(Protocol):
+    """What the services work on."""
+
+    scanner: Scanner
+    fusion: FusionWorker
+
+    def reset(self) -> None:
+        """Forget the scan; to be run through ``fusion.call``."""
+
+    def load(self, path: Path) -> None:
+        """Go on from a file; to be run through ``fusion.call``."""
+
+
+class ScanServices:
+    """Each runs in the fusion thread, between two frames."""
+
+    def __init__(self, node: Node, session: Session) -> None:
+        self._node = node
+        self._session = session
+        # A service that waits for fusion must not hold up the subscriptions. Those that set
+        # parameters take turns with the node's own parameter services, in its default group.
+        group = ReentrantCallbackGroup()
+        self._services = [
+            node.create_service(Trigger, "~/reset", self.reset, callback_group=group),
+            node.create_service(SaveScan, "~/save", self.save, callback_group=group),
+            node.create_service(LoadScan, "~/load", self.load),
+            node.create_service(SetRegion, "~/set_region", self.set_region),
+        ]
+
+    def destroy(self) -> None:
+        """Take the services away."""
+        for service in self._services:
+            self._node.destroy_service(service)
+
+    def reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Forget the scan."""
+
+        def work() -> str:
+            self._between_frames(self._session.reset)
+            return "the scan is empty"
+
+        return answer_with(response, work)
+
+    def save(self, request: SaveScan.Request, response: SaveScan.Response) -> SaveScan.Response:
+        """Write the scan to a file."""
+
+        def work() -> str:
+            path = given_path(request.path)
+            self._between_frames(lambda: self._session.scanner.save(path))
+            return f"saved {self._voxels} to {path}"
+
+        return answer_with(response, work)
+
+    def load(self, request: LoadScan.Request, response: LoadScan.Response) -> LoadScan.Response:
+        """Go on from a file, in its region of interest."""
+
+        def work() -> str:
+            path = given_path(request.path)
+            self._between_frames(lambda: self._session.load(path))
+            self._set_region_parameters(self._session.scanner.scan.region_settings)
+            return f"loaded {self._voxels} from {path}"
+
+        return answer_with(response, work)
+
+    def set_region(
+        self, request: SetRegion.Request, response: SetRegion.Response
+    ) -> SetRegion.Response:
+        """Scan another region of interest; another one than now begins a new scan."""
+
+        def work() -> str:
+            region = RegionSettings(
+                request.shape, tuple(request.centre.tolist()), tuple(request.size.tolist())
+            )
+            is_new = region != self._session.scanner.scan.region_settings
+            self._set_region_parameters(region)
+            if not is_new:
+                return "this is the region already: the scan goes on"
+            kind = "no" if region.shape == "none" else f"a {region.shape} as"
+            return f"a new scan begins, with {kind} region of interest"
+
+        return answer_with(response, work)
+
+    @property
+    def _voxels(self) -> str:
+        return f"{self._session.scanner.scan.voxel_count} voxels"
+
+    def _between_frames(self, work: Callable[[], None]) -> None:
+        self._session.fusion.call(work).result()
+
+    def _set_region_parameters(self, region: RegionSettings) -> None:
+        """Set the node's parameters, whose guard hands them to the session."""
+        result = self._node.set_parameters_atomically(
+            [
+                Parameter("region.shape", value=region.shape),
+                Parameter("region.centre", value=list(region.centre)),
+                Parameter("region.size", value=list(region.size)),
+            ]
+        )
+        if not result.successful:
+            raise ReflestError(result.reason)
