@@ -1,0 +1,1 @@
+"""Writes ``docs/node.md`` from the code and from a node that runs."""
