@@ -15,7 +15,7 @@ from benchmarks.scene.hand_held_orbit import pose_at
 from benchmarks.scene.renderer import camera_of, render
 from benchmarks.scene.table_scene import VERSION
 from reflest_core.capture.frame import Frame
-from reflest_core.synbrdf.bag_writer import CAMERA_FRAME, RecordedFrame, write_bag
+from reflest_core.synbrdf.bag_writer import CAMERA_FRAME, WORLD_FRAME, RecordedFrame, write_bag
 
 START_NS = 1_750_000_000 * 10**9
 
@@ -72,8 +72,9 @@ def rendered_frames(recording: Recording) -> Iterator[Frame]:
         yield Frame(
             stamp_ns=one.stamp_ns,
             rgb=one.rgb,
-            depth=one.depth_mm.astype(np.float32) * np.float32(0.001),
+            depth=(one.depth_mm * 0.001).astype(np.float32),
             T_world_camera=one.pose,
             intrinsics=camera,
             frame_id=CAMERA_FRAME,
+            world_frame_id=WORLD_FRAME,
         )
