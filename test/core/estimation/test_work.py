@@ -1,0 +1,81 @@
+"""What an estimate costs, counted in work, for seconds say little on a busy machine."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from reflest_core.estimation.estimator import Estimator
+from reflest_core.estimation.settings import EstimationSettings
+from reflest_core.features import voxel_choice
+from reflest_core.features.voxel_choice import MOST_CANDIDATES
+from reflest_core.models import live_grouplet
+from reflest_core.models.model_choice import MODELS
+from test.core.surfaces import sphere_surface
+
+BRANCH, NODE_PLACE, NODE_REST = 12 * 128 + 128 * 128, 128 * 256, 256 * 128
+REGRESSOR = 256 * 128 + 128 * 128 + 128 * 5
+
+
+@pytest.fixture
+def work(monkeypatch):
+    """Counts multiplications and distances while an estimate is made."""
+    done = Counter()
+    matmul, cluster = np.matmul, voxel_choice._k_centre_clusters
+    draw = live_grouplet.draw_grouplets
+
+    def counted_matmul(left, right, out=None):
+        done["multiplications"] += left.size * right.shape[-1]
+        return matmul(left, right, out=out)
+
+    def counted_cluster(points, count):
+        done["distances"] += points.shape[1] * count
+        return cluster(points, count)
+
+    def counted_draw(*arguments):
+        drawn = draw(*arguments)
+        done["nodes"] += len(drawn.members)
+        done["observations"] += len(drawn.observations)
+        places = [np.unique(drawn.members[:, place]) for place in range(5)]
+        done["pairs"] += sum(map(len, places))
+        return drawn
+
+    monkeypatch.setattr(np, "matmul", counted_matmul)
+    monkeypatch.setattr(voxel_choice, "_k_centre_clusters", counted_cluster)
+    monkeypatch.setattr(live_grouplet, "draw_grouplets", counted_draw)
+    return done
+
+
+def work_on(surface, model, work):
+    work.clear()
+    Estimator(EstimationSettings(model=model)).estimate(surface, 0, "")
+    return dict(work)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_tenfold_scan_costs_no_more(model, work):
+    small, large = (
+        work_on(sphere_surface(voxels=voxels, views=60), model, work) for voxels in (5_000, 50_000)
+    )
+    for kind, cost in large.items():
+        # Of more voxels better observed ones are chosen, whose observations repeat less often.
+        assert cost <= 1.2 * small[kind], kind
+    assert large["distances"] <= MOST_CANDIDATES * MODELS[model].voxels
+
+
+@pytest.mark.parametrize("model", ["grouplet-fast", "grouplet-slow"])
+def test_grouplet_multiplies_no_observation_twice(model, work):
+    done = work_on(sphere_surface(voxels=2_000, views=60), model, work)
+    nodes, observations, pairs = (done[name] for name in ("nodes", "observations", "pairs"))
+    assert nodes == 10 * MODELS[model].voxels
+    assert observations < 0.7 * 5 * nodes
+    assert pairs < 0.9 * 5 * nodes
+    assert done["multiplications"] == (
+        observations * BRANCH + pairs * NODE_PLACE + nodes * NODE_REST + REGRESSOR
+    )
+
+
+def test_hemicnn_multiplies_once_for_each_voxel(work):
+    done = work_on(sphere_surface(voxels=2_000, views=60), "hemicnn", work)
+    each = 64 * 27 * 16 + 36 * 144 * 16 + 144 * 64
+    assert done["multiplications"] == 25 * each + 64 * 32 + 32 * 5
