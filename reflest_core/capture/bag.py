@@ -10,13 +10,14 @@ import yaml
 import zstandard
 
 from reflest_core.capture.bag_file import BagFile, BagTopic, RawMessage
+from reflest_core.capture.candidate_topic import CandidateTopic
 from reflest_core.capture.cdr import READERS, read_message
 from reflest_core.capture.errors import CaptureError
 from reflest_core.capture.mcap_file import McapFile
 from reflest_core.capture.messages import Role, SensorMessage
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.capture.sqlite_file import SqliteFile
-from reflest_core.capture.topics import CandidateTopic, TopicChoice, choose_topics
+from reflest_core.capture.topics import TopicChoice, choose_topics
 
 READERS_BY_SUFFIX: dict[str, Callable[[Path], BagFile]] = {".mcap": McapFile, ".db3": SqliteFile}
 
@@ -26,7 +27,7 @@ class Bag:
 
     depth_scale: float | None = None
 
-    def __init__(self, path: Path, choice: TopicChoice) -> None:
+    def __init__(self, path: Path, choice: TopicChoice, pose_source: str) -> None:
         """Open the files and settle which topic plays which role.
 
         Raises:
@@ -38,7 +39,7 @@ class Bag:
         paths = self._listed(path) if path.is_dir() else [path]
         self._files = self._opened(paths)
         try:
-            self.topics = choose_topics(self._candidates(), choice, self.name)
+            self.topics = choose_topics(self._candidates(), choice, self.name, pose_source)
         except CaptureError as error:
             raise CaptureError(f"{error}; {self.damage}" if self.damage else str(error)) from error
         counts = [

@@ -60,11 +60,12 @@ class Capture:
         source: MessageSource,
         settings: CaptureSettings,
         on_refusal: RefusalListener | None = None,
+        on_clock_jump: Callable[[str], None] = lambda _: None,
     ) -> None:
         if source.depth_scale is not None:
             settings = replace(settings, depth_scale=source.depth_scale)
         self._source = source
-        self._assembler = FrameAssembler(settings, source.topics, on_refusal)
+        self._assembler = FrameAssembler(settings, source.topics, on_refusal, on_clock_jump)
         self.name = source.name
         self.frame_total = source.rgb_total
         self.frames_seen = 0

@@ -1,4 +1,4 @@
-"""CDR bytes to messages, for the five ROS 2 message types that a capture needs.
+"""CDR bytes to messages, for the six ROS 2 message types that a capture needs.
 
 Their layouts are the same in every ROS 2 distribution so far, so no definition is read from the
 bag.
@@ -16,6 +16,7 @@ from reflest_core.capture.messages import (
     ImageMessage,
     PoseMessage,
     SensorMessage,
+    TransformsMessage,
 )
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 
@@ -24,6 +25,7 @@ COMPRESSED_IMAGE = "sensor_msgs/msg/CompressedImage"
 CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
 POSE_STAMPED = "geometry_msgs/msg/PoseStamped"
 ODOMETRY = "nav_msgs/msg/Odometry"
+TRANSFORMS = "tf2_msgs/msg/TFMessage"
 
 
 def read_message(message_type: str, cdr: bytes, topic: str) -> SensorMessage:
@@ -90,8 +92,7 @@ def _camera_info(message: Any) -> CameraInfoMessage:
     )
 
 
-def _pose(message: Any, pose: Any, child_frame_id: str) -> PoseMessage:
-    position, orientation = pose.position, pose.orientation
+def _posed(message: Any, child_frame_id: str, position: Any, orientation: Any) -> PoseMessage:
     return PoseMessage(
         stamp_ns=_stamp_ns(message),
         frame_id=message.header.frame_id,
@@ -101,10 +102,24 @@ def _pose(message: Any, pose: Any, child_frame_id: str) -> PoseMessage:
     )
 
 
+def _pose(message: Any, pose: Any, child_frame_id: str) -> PoseMessage:
+    return _posed(message, child_frame_id, pose.position, pose.orientation)
+
+
+def _transforms(message: Any) -> TransformsMessage:
+    return TransformsMessage(
+        tuple(
+            _posed(one, one.child_frame_id, one.transform.translation, one.transform.rotation)
+            for one in message.transforms
+        )
+    )
+
+
 READERS: dict[str, Callable[[Any], SensorMessage]] = {
     IMAGE: _image,
     COMPRESSED_IMAGE: _compressed_image,
     CAMERA_INFO: _camera_info,
     POSE_STAMPED: lambda message: _pose(message, message.pose, ""),
     ODOMETRY: lambda message: _pose(message, message.pose.pose, message.child_frame_id),
+    TRANSFORMS: _transforms,
 }

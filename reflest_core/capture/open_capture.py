@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from reflest_core.capture.assembler import RefusalListener
@@ -26,10 +27,12 @@ def open_capture(
     settings: CaptureSettings = CaptureSettings(),  # noqa: B008
     pinhole: Pinhole | None = None,
     on_refusal: RefusalListener | None = None,
+    on_clock_jump: Callable[[str], None] = lambda _: None,
 ) -> Capture:
     """Return the capture at ``path``.
 
     ``topics`` names topics of a bag; ``pinhole`` (fx, fy, cx, cy in pixels) calibrates a folder.
+    ``on_clock_jump`` is called between two frames where stamps start again.
 
     Raises:
         CaptureError: if it does not exist, is of no known kind or cannot be read, or if an
@@ -37,13 +40,15 @@ def open_capture(
     """
     path = Path(path)
     try:
-        source = _open_source(path, topics, pinhole)
+        source = _open_source(path, topics, pinhole, settings.pose_source)
     except OSError as error:
         raise CaptureError(f"{path} cannot be read: {error.strerror}") from error
-    return Capture(source, settings, on_refusal)
+    return Capture(source, settings, on_refusal, on_clock_jump)
 
 
-def _open_source(path: Path, topics: TopicChoice, pinhole: Pinhole | None) -> MessageSource:
+def _open_source(
+    path: Path, topics: TopicChoice, pinhole: Pinhole | None, pose_source: str
+) -> MessageSource:
     if not path.exists():
         raise CaptureError(f"{path} does not exist")
     names = [entry.name for entry in path.iterdir()] if path.is_dir() else [path.name]
@@ -51,8 +56,10 @@ def _open_source(path: Path, topics: TopicChoice, pinhole: Pinhole | None) -> Me
     if is_bag or "metadata.yaml" in names:
         if pinhole is not None:
             raise CaptureError(f"{path} is a bag and has its camera_info: leave out --intrinsics")
-        return Bag(path, topics)
+        return Bag(path, topics, pose_source)
     folder = _folder_kind(path, names)
+    if pose_source == "tf":
+        raise CaptureError(f"{path} is a folder of frames and has no tf: leave out --world-frame")
     if topics != TopicChoice():
         raise CaptureError(f"{path} is a folder of frames and has no topics to choose")
     return folder(path, pinhole)

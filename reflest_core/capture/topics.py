@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from reflest_core.capture.candidate_topic import CandidateTopic
 from reflest_core.capture.cdr import CAMERA_INFO, COMPRESSED_IMAGE, IMAGE, ODOMETRY, POSE_STAMPED
 from reflest_core.capture.decode import COLOUR_ENCODINGS, DEPTH_ENCODINGS, MASK_ENCODINGS
 from reflest_core.capture.errors import CaptureError
 from reflest_core.capture.messages import Role
+from reflest_core.capture.optional_topics import depth_info_topic, info_beside, transform_topics
 
 OPTION = {role: f"--{role.value.replace('_', '-')}-topic" for role in Role}
 TYPES = {
@@ -16,6 +18,7 @@ TYPES = {
     Role.CAMERA_INFO: (CAMERA_INFO,),
     Role.POSE: (POSE_STAMPED, ODOMETRY),
     Role.MASK: (IMAGE, COMPRESSED_IMAGE),
+    Role.DEPTH_INFO: (CAMERA_INFO,),
 }
 ENCODINGS = {
     Role.RGB: (*COLOUR_ENCODINGS, "jpeg", "png"),
@@ -33,6 +36,7 @@ class TopicChoice:
     camera_info: str | None = None
     pose: str | None = None
     mask: str | None = None
+    depth_camera_info: str | None = None
 
     def named(self, role: Role) -> str | None:
         """Return the topic named for ``role``."""
@@ -40,39 +44,35 @@ class TopicChoice:
         return name
 
 
-@dataclass(frozen=True)
-class CandidateTopic:
-    """A recorded topic; ``encoding`` is that of its first image, "" for other types."""
-
-    name: str
-    message_type: str
-    encoding: str = ""
-
-    def __str__(self) -> str:
-        """Name, type and encoding, for sentences."""
-        kind = self.message_type.split("/")[-1]
-        return f"{self.name} ({kind}{', ' + self.encoding if self.encoding else ''})"
-
-
 def choose_topics(
-    candidates: list[CandidateTopic], choice: TopicChoice, capture: str
+    candidates: list[CandidateTopic], choice: TopicChoice, capture: str, pose_source: str = "pose"
 ) -> dict[Role, str]:
-    """Return the topic of each role; a mask only where one is named.
+    """Return the topic of each role; a mask only where one is named, no pose where tf has it.
 
     Raises:
         CaptureError: a topic is missing, of the wrong type or ambiguous; the sentence lists the
             topics that would fit and the option to set.
     """
     topics: dict[Role, str] = {}
-    for role in (Role.RGB, Role.DEPTH, Role.CAMERA_INFO, Role.POSE):
+    needed = [Role.RGB, Role.DEPTH, Role.CAMERA_INFO]
+    for role in needed if pose_source == "tf" else [*needed, Role.POSE]:
         fitting = [topic for topic in candidates if _fits(topic, role)]
         if role is Role.RGB:
             fitting = _without_grey(fitting)
         if role is Role.CAMERA_INFO:
             fitting = _of_camera(fitting, topics[Role.RGB])
         topics[role] = _chosen(role, choice, candidates, fitting, capture)
-    if choice.mask is not None:
-        topics[Role.MASK] = _chosen(Role.MASK, choice, candidates, [], capture)
+    for role in (Role.MASK, Role.DEPTH_INFO):
+        if choice.named(role) is not None:
+            topics[role] = _chosen(role, choice, candidates, [], capture)
+    depth_info = depth_info_topic(candidates, topics)
+    if depth_info is not None:
+        topics.setdefault(Role.DEPTH_INFO, depth_info)
+    topics |= transform_topics(candidates)
+    if pose_source == "tf" and Role.TF not in topics and Role.TF_STATIC not in topics:
+        raise CaptureError(
+            f"{capture} has no /tf or /tf_static to take poses from; it holds {_listed(candidates)}"
+        )
     return topics
 
 
@@ -109,8 +109,8 @@ def _nothing_fits(
     if role in ENCODINGS:
         types += f" in {', '.join(ENCODINGS[role])}"
     sentence = f"{capture} has no {role.value} topic ({types})"
-    if role is Role.POSE and any(topic.name == "/tf" for topic in candidates):
-        return f"{sentence}; poses in /tf are not read, record them as PoseStamped"
+    if role is Role.POSE and transform_topics(candidates):
+        return f"{sentence}; it holds /tf: take poses from it with --world-frame (map or odom, say)"
     if of_type:
         return f"{sentence}; of that type there is {_listed(of_type)} ({OPTION[role]})"
     return f"{sentence}; it holds {_listed(candidates)}"
@@ -140,11 +140,6 @@ def _without_grey(fitting: list[CandidateTopic]) -> list[CandidateTopic]:
 
 
 def _of_camera(infos: list[CandidateTopic], rgb: str) -> list[CandidateTopic]:
-    """Of several, prefer the one beside the colour topic, as ROS drivers name it."""
-    parent = rgb.rpartition("/")[0]
-    # image_transport adds a level: camera/image_raw/compressed belongs to camera/camera_info.
-    for folder in (parent, parent.rpartition("/")[0]):
-        beside = [topic for topic in infos if topic.name == f"{folder}/camera_info"]
-        if beside:
-            return beside
-    return infos
+    """Of several, prefer the one beside the colour topic."""
+    beside = info_beside(infos, rgb)
+    return [topic for topic in infos if topic.name == beside] or infos

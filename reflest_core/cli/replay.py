@@ -22,8 +22,11 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--weights", metavar="FILE", help="weights in place of the shipped ones")
     parser.add_argument("--config", type=Path, metavar="YAML", help="a ROS parameter file")
     topics = parser.add_argument_group("topics of a bag")
-    for stream in ("rgb", "depth", "camera-info", "pose", "mask"):
+    for stream in ("rgb", "depth", "camera-info", "pose", "mask", "depth-camera-info"):
         topics.add_argument(f"--{stream}-topic", metavar="TOPIC")
+    topics.add_argument(
+        "--world-frame", metavar="FRAME", help="take poses from tf: the camera's in this frame"
+    )
     scene = parser.add_argument_group("scene, over what --config says (world frame, metres)")
     roi = scene.add_mutually_exclusive_group()
     roi.add_argument(

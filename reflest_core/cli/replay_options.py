@@ -22,6 +22,7 @@ def topic_choice(options: argparse.Namespace) -> TopicChoice:
         camera_info=options.camera_info_topic,
         pose=options.pose_topic,
         mask=options.mask_topic,
+        depth_camera_info=options.depth_camera_info_topic,
     )
 
 
@@ -37,7 +38,7 @@ def replay_settings(options: argparse.Namespace) -> ReflestSettings:
     estimation = {"model": options.model, "weights": options.weights, "up": options.up}
     return replace(
         settings,
-        capture=_with_mask(settings.capture, options.mask_topic),
+        capture=_with_mask(_with_tf(settings.capture, options.world_frame), options.mask_topic),
         region=_region(options) or settings.region,
         fusion=with_values(settings.fusion, _given(fusion), "fusion"),
         estimation=with_values(settings.estimation, _given(estimation), "estimation"),
@@ -46,6 +47,12 @@ def replay_settings(options: argparse.Namespace) -> ReflestSettings:
 
 def _given(values: dict[str, object]) -> dict[str, object]:
     return {name: value for name, value in values.items() if value is not None}
+
+
+def _with_tf(capture: CaptureSettings, world_frame: str | None) -> CaptureSettings:
+    if world_frame is None:
+        return capture
+    return replace(capture, pose_source="tf", world_frame=world_frame)
 
 
 def _with_mask(capture: CaptureSettings, mask_topic: str | None) -> CaptureSettings:

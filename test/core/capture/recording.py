@@ -15,6 +15,7 @@ from reflest_core.capture.messages import (
     ImageMessage,
     PoseMessage,
     Role,
+    TransformsMessage,
 )
 
 WIDTH, HEIGHT, FOCAL = 96, 72, 100.0
@@ -176,6 +177,9 @@ def _as_ros(message):
         return kind, _ros(kind, header=_header(message), format=message.format, data=data)
     if isinstance(message, CameraInfoMessage):
         return _ros_camera_info(message)
+    if isinstance(message, TransformsMessage):
+        kind = "tf2_msgs/msg/TFMessage"
+        return kind, _ros(kind, transforms=[_ros_transform(one) for one in message.transforms])
     x, y, z = message.position
     qx, qy, qz, qw = message.orientation
     pose = _ros(
@@ -200,6 +204,20 @@ def _ros_camera_info(message):
         distortion_model=message.distortion_model, d=np.array(message.d, dtype=np.float64),
         k=np.array(message.k), r=np.eye(3).ravel(), p=np.array(message.p or [0.0] * 12),
         binning_x=message.binning[0], binning_y=message.binning[1], roi=roi,
+    )  # fmt: skip
+
+
+def _ros_transform(message):
+    x, y, z = message.position
+    qx, qy, qz, qw = message.orientation
+    return _ros(
+        "geometry_msgs/msg/TransformStamped", header=_header(message),
+        child_frame_id=message.child_frame_id,
+        transform=_ros(
+            "geometry_msgs/msg/Transform",
+            translation=_ros("geometry_msgs/msg/Vector3", x=x, y=y, z=z),
+            rotation=_ros("geometry_msgs/msg/Quaternion", x=qx, y=qy, z=qz, w=qw),
+        ),
     )  # fmt: skip
 
 

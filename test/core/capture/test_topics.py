@@ -2,10 +2,18 @@
 
 import pytest
 
-from reflest_core.capture.cdr import CAMERA_INFO, COMPRESSED_IMAGE, IMAGE, ODOMETRY, POSE_STAMPED
+from reflest_core.capture.candidate_topic import CandidateTopic
+from reflest_core.capture.cdr import (
+    CAMERA_INFO,
+    COMPRESSED_IMAGE,
+    IMAGE,
+    ODOMETRY,
+    POSE_STAMPED,
+    TRANSFORMS,
+)
 from reflest_core.capture.errors import CaptureError
 from reflest_core.capture.messages import Role
-from reflest_core.capture.topics import CandidateTopic, TopicChoice, choose_topics
+from reflest_core.capture.topics import TopicChoice, choose_topics
 
 RGB = CandidateTopic("/cam/color/image_raw", IMAGE, "rgb8")
 DEPTH = CandidateTopic("/cam/aligned/image_raw", IMAGE, "16UC1")
@@ -88,9 +96,39 @@ def test_an_encoding_that_is_not_read_is_shown():
         choose([*ALL[:-1], bayer])
 
 
-def test_poses_in_tf_alone_are_explained():
-    with pytest.raises(CaptureError, match="/tf are not read"):
-        choose([RGB, DEPTH, INFO, CandidateTopic("/tf", "tf2_msgs/msg/TFMessage")])
+TF = CandidateTopic("/tf", TRANSFORMS)
+TF_STATIC = CandidateTopic("/tf_static", TRANSFORMS)
+
+
+def test_poses_in_tf_alone_ask_for_the_world_frame():
+    with pytest.raises(CaptureError, match="--world-frame"):
+        choose([RGB, DEPTH, INFO, TF])
+
+
+def test_with_poses_from_tf_no_pose_topic_is_needed():
+    chosen = choose_topics([RGB, DEPTH, INFO, TF, TF_STATIC], TopicChoice(), "bag", "tf")
+    assert Role.POSE not in chosen
+    assert (chosen[Role.TF], chosen[Role.TF_STATIC]) == ("/tf", "/tf_static")
+    with pytest.raises(CaptureError, match="no /tf or /tf_static"):
+        choose_topics(ALL, TopicChoice(), "bag", "tf")
+
+
+def test_one_robots_tf_in_a_namespace_is_found_and_several_are_not_mixed():
+    first, second = (CandidateTopic(f"/{name}/tf", TRANSFORMS) for name in ("one", "two"))
+    assert choose([*ALL, first])[Role.TF] == "/one/tf"
+    assert Role.TF not in choose([*ALL, first, second])
+    assert choose([*ALL, first, second, TF])[Role.TF] == "/tf"
+
+
+def test_the_depth_cameras_info_is_found_beside_depth_or_named():
+    beside = CandidateTopic("/cam/aligned/camera_info", CAMERA_INFO)
+    other = CandidateTopic("/cam/depth_info", CAMERA_INFO)
+    assert Role.DEPTH_INFO not in choose(ALL)
+    assert choose([*ALL, beside])[Role.DEPTH_INFO] == beside.name
+    named = choose([*ALL, beside, other], depth_camera_info=other.name)
+    assert named[Role.DEPTH_INFO] == other.name
+    with pytest.raises(CaptureError, match="--depth-camera-info-topic"):
+        choose(ALL, depth_camera_info="/nothing")
 
 
 @pytest.mark.parametrize("name", ["/nothing", "/pose"])

@@ -17,6 +17,7 @@ from test.core.capture.recording import (
     write_seven_scenes,
     write_tum,
 )
+from test.core.capture.test_bag_transforms import NAMES, in_tf
 
 COARSE = ["--voxel-size", "0.01"]
 
@@ -214,3 +215,13 @@ def test_the_json_replaces_the_old_one_whole_or_not_at_all(weights, bag, tmp_pat
     code = main(["replay", str(bag), "--weights", str(weights), "--json", str(target)])
     assert str(target) in one_error(code, capsys.readouterr().err)
     assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_bag_with_tf_gives_the_same_estimates(replay, bag, tmp_path):
+    write_bag(tmp_path / "tf", in_tf(recording(12)), topics=NAMES)
+    expected = replay(bag)[3]["final"]
+    code, _, err, record = replay(tmp_path / "tf", "--world-frame", "map")
+    assert (code, err) == (0, "")
+    for name in ("rho_s", "alpha", "voxel_count", "observation_count"):
+        assert record["final"][name] == pytest.approx(expected[name], rel=1e-4)
+    assert record["settings"]["capture"]["pose_source"] == "tf"
