@@ -18,6 +18,7 @@ from reflest_core.synbrdf.environments import (
 )
 from reflest_core.synbrdf.generation import SKIES
 from reflest_core.synbrdf.materials import draw_material
+from reflest_core.synbrdf.realism.settings import Realism
 from reflest_core.synbrdf.scene import Light
 from reflest_core.synbrdf.shapes.mesh import TriangleMesh
 from reflest_core.synbrdf.shapes.mesh_file import find_meshes, load_mesh
@@ -38,7 +39,10 @@ class SequenceRefused(ReflestError):
 
 @dataclass(frozen=True)
 class SequenceRequest:
-    """What ``reflest synbrdf sequence`` was asked for; None lets the seed decide."""
+    """What ``reflest synbrdf sequence`` was asked for; None lets the seed decide.
+
+    ``realism``: the faults of a real camera; None for a perfect one.
+    """
 
     seed: int
     frames: int = 60
@@ -50,6 +54,7 @@ class SequenceRequest:
     shape: str | None = None
     environments: Path | None = None
     meshes: Path | None = None
+    realism: Realism | None = None
 
     def __post_init__(self) -> None:
         bounds = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from pathlib import Path
 from typing import Any
@@ -34,4 +35,6 @@ def write_truth(
         "frames": request.frames,
         "command": command,
     }
+    if request.realism is not None:
+        truth["realism"] = dataclasses.asdict(request.realism)
     (folder / TRUTH).write_text(json.dumps(truth, indent=1) + "\n")

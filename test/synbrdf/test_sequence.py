@@ -23,6 +23,7 @@ from reflest_core.synbrdf.sequence_scene import (
     SequenceRequest,
     draw_sequence_scene,
 )
+from reflest_core.synbrdf.whole_folder import FolderUnwritable
 from test.synbrdf.spheres import icosphere, write_obj
 from test.synbrdf.test_environments import gradient
 
@@ -190,6 +191,26 @@ def test_the_same_request_gives_the_same_bytes(bag, truth, sources, tmp_path):
     assert {**again, "command": ""} == {**truth, "command": ""}
 
 
+def test_realism_has_its_own_seeded_faults_and_the_same_scene(bag, truth, sources, tmp_path):
+    material = ["--material", "0.4", "0.2", "0.1", "0.1", "0.1", "--realism"]
+    for name in ("one/ball", "two/ball"):
+        assert main(arguments_of(tmp_path / name, sources, *material)) == 0
+    real, again = (tmp_path / name / "ball.mcap" for name in ("one/ball", "two/ball"))
+    assert real.read_bytes() == again.read_bytes()
+    told = json.loads((tmp_path / "one" / "ball" / "truth.json").read_text())
+    assert told["realism"]["jpeg_quality"] == 60
+    assert told["exposure"] == truth["exposure"]
+    clean, noisy = (list(open_capture(path)) for path in (bag, tmp_path / "one" / "ball"))
+    for ours, theirs in zip(clean, noisy, strict=True):
+        both = (ours.depth > 0) & (theirs.depth > 0)
+        error = np.abs(theirs.depth - ours.depth)[both]
+        assert 0 < error.mean() < 0.01
+        assert (theirs.depth > 0).sum() < (ours.depth > 0).sum() * 1.1
+        moved = np.linalg.norm(theirs.T_world_camera - ours.T_world_camera)
+        assert 0 < moved < 0.05
+        assert 0 < np.abs(theirs.rgb.astype(int) - ours.rgb).mean() < 60
+
+
 def test_choosing_a_material_leaves_the_rest_of_the_scene():
     drawn = draw_sequence_scene(SequenceRequest(seed=2, frames=5))
     chosen_material = WardParameters((0.1, 0.1, 0.1), 0.0, 0.2)
@@ -218,7 +239,7 @@ def test_a_failed_run_leaves_nothing(sources, tmp_path, monkeypatch):
 
     monkeypatch.setattr(sequence, "write_truth", full_disk)
     request = SequenceRequest(seed=7, frames=2, width=16, height=16, samples=4)
-    with pytest.raises(OSError, match="no space"):
+    with pytest.raises(FolderUnwritable, match=r"ball cannot be written \(no space left\)"):
         sequence.write_sequence(tmp_path / "ball", request, "")
     assert list(tmp_path.iterdir()) == []
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from reflest_core.brdf.parameters import WardParameters
+from reflest_core.cli.synbrdf.set_options import add_realism_option, realism_of
 
 
 def add_parser(products: Any) -> None:
@@ -31,6 +32,7 @@ def add_parser(products: Any) -> None:
         "--environments", type=Path, help=".hdr, .exr or .npz files; default: procedural skies"
     )
     parser.add_argument("--meshes", type=Path, help=".obj, .ply or .npz; default: procedural")
+    add_realism_option(parser)
     parser.set_defaults(run=run)
 
 
@@ -41,17 +43,19 @@ def run(arguments: argparse.Namespace) -> int:
     options = {
         key: value
         for key, value in vars(arguments).items()
-        if key not in ("run", "out", "material") and value is not None
+        if key not in ("run", "out", "material", "realism") and value is not None
     }
     material = None
     if arguments.material is not None:
         red, green, blue, rho_s, alpha = arguments.material
         material = WardParameters((red, green, blue), rho_s, alpha)
-    request = SequenceRequest(**options, material=material)
+    request = SequenceRequest(**options, material=material, realism=realism_of(arguments))
     command = ["reflest", "synbrdf", "sequence", "--out", str(arguments.out)]
     command += [word for key, value in options.items() for word in (f"--{key}", str(value))]
     if arguments.material is not None:
         command += ["--material", *map(str, arguments.material)]
+    if arguments.realism is not None:
+        command += ["--realism", *arguments.realism]
 
     from reflest_core.synbrdf.sequence import write_sequence
 
