@@ -39,7 +39,7 @@ FUSION_STAGES = (
             "reflest_core.fusion.scan:visible_voxels",
             *(
                 f"reflest_core.fusion.observation_store:ObservationStore.{name}"
-                for name in ("remove", "move", "refresh", "claim", "unseen_from", "observe")
+                for name in ("remove", "move", "find", "refresh", "claim", "unseen_from", "observe")
             ),
         ),
     ),

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,41 +25,49 @@ def allocate_blocks(
     blocks: TsdfBlocks,
     count: int,
     frame_number: int,
-) -> tuple[int, bool]:
+    touched: NDArray[np.int64],
+    touched_count: int,
+) -> tuple[int, int, bool]:
     """Make sure of the blocks around every ``stride``-th surface pixel and mark them as seen.
 
-    ``T``: (4, 4) camera to world. ``K``: (3, 3). Returns the new count of blocks and whether some
-    found no room; running it again after making room continues where it failed.
+    ``T``: (4, 4) camera to world. ``K``: (3, 3). Slots are appended to ``touched``. Returns the new
+    count of blocks, that of ``touched``, and whether some found no room; running it again after
+    making room continues where it failed.
     """
     height, width = depth.shape
-    block_size = voxel_size * BLOCK_EDGE
-    margin = SURFACE_MARGIN * voxel_size
+    margin = SURFACE_MARGIN / BLOCK_EDGE
     limit = VOXEL_LIMIT // BLOCK_EDGE
-    low = np.zeros(3, np.int64)
-    high = np.zeros(3, np.int64)
-    last_low = np.full(3, limit, np.int64)
-    last_high = np.full(3, limit, np.int64)
+    A = T / (voxel_size * BLOCK_EDGE)
     is_full = False
+    i0, j0, k0, i1, j1, k1 = 0, 0, 0, -1, -1, -1
     for v in range(0, height, stride):
+        b = (v - K[1, 2]) / K[1, 1]
         for u in range(0, width, stride):
             if not surface[v, u]:
                 continue
-            z = float(depth[v, u])
-            x, y = (u - K[0, 2]) / K[0, 0] * z, (v - K[1, 2]) / K[1, 1] * z
-            is_new, is_inside = False, True
-            for axis in range(3):
-                world = T[axis, 0] * x + T[axis, 1] * y + T[axis, 2] * z + T[axis, 3]
-                low[axis] = math.floor((world - margin) / block_size + 0.5 / BLOCK_EDGE)
-                high[axis] = math.floor((world + margin) / block_size + 0.5 / BLOCK_EDGE)
-                is_inside &= low[axis] > -limit and high[axis] < limit
-                is_new |= low[axis] != last_low[axis] or high[axis] != last_high[axis]
-            if not (is_new and is_inside):
+            a = (u - K[0, 2]) / K[0, 0]
+            z = np.float64(depth[v, u])
+            x = (A[0, 0] * a + A[0, 1] * b + A[0, 2]) * z + A[0, 3] + 0.5 / BLOCK_EDGE
+            y = (A[1, 0] * a + A[1, 1] * b + A[1, 2]) * z + A[1, 3] + 0.5 / BLOCK_EDGE
+            w = (A[2, 0] * a + A[2, 1] * b + A[2, 2]) * z + A[2, 3] + 0.5 / BLOCK_EDGE
+            if max(abs(x), abs(y), abs(w)) > limit - 2:
                 continue
-            last_low[:] = low
-            last_high[:] = high
-            for i in range(low[0], high[0] + 1):
-                for j in range(low[1], high[1] + 1):
-                    for k in range(low[2], high[2] + 1):
+            il, jl, kl = (
+                int(np.floor(x - margin)),
+                int(np.floor(y - margin)),
+                int(np.floor(w - margin)),
+            )
+            ih, jh, kh = (
+                int(np.floor(x + margin)),
+                int(np.floor(y + margin)),
+                int(np.floor(w + margin)),
+            )
+            if il == i0 and jl == j0 and kl == k0 and ih == i1 and jh == j1 and kh == k1:
+                continue
+            i0, j0, k0, i1, j1, k1 = il, jl, kl, ih, jh, kh
+            for i in range(i0, i1 + 1):
+                for j in range(j0, j1 + 1):
+                    for k in range(k0, k1 + 1):
                         key = pack_key(i, j, k)
                         slot = find_row(blocks.index_keys, blocks.index_rows, key)
                         if slot < 0:
@@ -70,13 +76,23 @@ def allocate_blocks(
                                 continue
                             slot = count
                             count += 1
-                            put_row(blocks.index_keys, blocks.index_rows, key, slot)
-                            blocks.keys[slot] = key
-                            blocks.tsdf[slot] = 1.0
-                            blocks.weight[slot] = 0
-                            blocks.on_surface[slot] = False
-                        blocks.last_seen[slot] = frame_number
-    return count, is_full
+                            _open_block(blocks, key, slot)
+                        if blocks.last_seen[slot] != frame_number:
+                            blocks.last_seen[slot] = frame_number
+                            touched[touched_count] = slot
+                            touched_count += 1
+    return count, touched_count, is_full
+
+
+@compiled
+def _open_block(blocks: TsdfBlocks, key: int, slot: int) -> None:
+    """Start an unobserved block."""
+    put_row(blocks.index_keys, blocks.index_rows, key, slot)
+    blocks.keys[slot] = key
+    blocks.tsdf[slot] = 1.0
+    blocks.weight[slot] = 0
+    blocks.on_surface[slot] = False
+    blocks.last_seen[slot] = 0
 
 
 def pixel_stride(voxel_size: float, focal_length: float, farthest_depth: float) -> int:

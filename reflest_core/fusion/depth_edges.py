@@ -41,12 +41,13 @@ def _is_clear(
 ) -> NDArray[np.bool_]:
     height, width = depth.shape
     clear = np.empty((height, width), np.bool_)
+    voxel = np.float32(voxel_size)
     for v in range(height):
         for u in range(width):
-            z = float(depth[v, u])
-            tolerance = depth_tolerance(z, voxel_size)
+            z = depth[v, u]
+            tolerance = np.float32(2.0) * voxel + np.float32(0.01) * z
             clear[v, u] = (
-                (nearest[v, u] > 0.0)
+                (nearest[v, u] > np.float32(0.0))
                 & (z - nearest[v, u] <= tolerance)
                 & (farthest[v, u] - z <= tolerance)
             )

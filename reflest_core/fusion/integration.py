@@ -9,18 +9,18 @@ behind; near a silhouette it says nothing, for there the true distance is unknow
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.fusion.block_projection import (
+    VOXELS,
+    BlockProjection,
+    empty_projection,
+    project_block,
+)
+from reflest_core.fusion.slant import FULL_WEIGHT
 from reflest_core.fusion.tsdf_blocks import TsdfBlocks
-from reflest_core.fusion.voxel_key import BLOCK_EDGE, unpack_key
 from reflest_core.jit import compiled
-
-FULL_WEIGHT = 16
-"""Weight of a surface seen head-on; it falls with the squared cosine of the viewing angle, to 0
-beyond 80 degrees, where curvature spoils the distance to the tangent plane."""
 
 MAX_WEIGHT = 256 * FULL_WEIGHT
 """After this the mean slides, so that a moved surface is still followed."""
@@ -28,101 +28,113 @@ MAX_WEIGHT = 256 * FULL_WEIGHT
 
 @compiled
 def integrate_blocks(
+    start: int,
+    stop: int,
+    slots: NDArray[np.int64],
     depth: NDArray[np.float32],
-    slant: NDArray[np.float32],
+    steepness: NDArray[np.float32],
+    gain: NDArray[np.uint8],
     free_depth: NDArray[np.float32],
-    T: NDArray[np.float64],
-    K: NDArray[np.float64],
+    P: NDArray[np.float64],
     voxel_size: float,
     truncation: float,
     blocks: TsdfBlocks,
-    count: int,
     frame_number: int,
 ) -> NDArray[np.int64]:
-    """Update every block in sight; return the slots of those that changed, ascending.
+    """Update the blocks ``slots[start:stop]``; return those that changed, in their order.
 
-    ``T``: (4, 4) world to camera. ``K``: (3, 3). ``truncation``: metres.
+    ``depth``, ``steepness``, ``gain``, ``free_depth``: (H, W), see ``FramePixels``. ``P``: (3, 4),
+    world to homogeneous pixels. ``truncation``: metres.
     """
     height, width = depth.shape
-    fx, fy, cx, cy = K[0, 0], K[1, 1], K[0, 2], K[1, 2]
-    radius = 0.5 * math.sqrt(3.0) * (BLOCK_EDGE - 1) * voxel_size
-    centre = 0.5 * (BLOCK_EDGE - 1) * voxel_size
-    tsdf, weight = blocks.tsdf, blocks.weight
-    changed = np.empty(count, np.int64)
-    changed_count = 0
-    for slot in range(count):
-        i, j, k = unpack_key(blocks.keys[slot])
-        x0 = i * BLOCK_EDGE * voxel_size
-        y0 = j * BLOCK_EDGE * voxel_size
-        z0 = k * BLOCK_EDGE * voxel_size
-        xm, ym, zm = x0 + centre, y0 + centre, z0 + centre
-        zc = T[2, 0] * xm + T[2, 1] * ym + T[2, 2] * zm + T[2, 3]
-        if zc + radius <= 0.0:
+    projection = empty_projection()
+    surface_z = np.empty(VOXELS, np.float32)
+    pixel_steepness = np.empty(VOXELS, np.float32)
+    pixel_gain = np.empty(VOXELS, np.float32)
+    pixel_free = np.empty(VOXELS, np.float32)
+    changed = np.empty(stop - start, np.int64)
+    count = 0
+    for n in range(start, stop):
+        slot = slots[n]
+        project_block(blocks.keys[slot], P, voxel_size, height, width, projection)
+        if not np.any(projection.is_inside):
             continue
-        if zc > 2.0 * radius:
-            xc = T[0, 0] * xm + T[0, 1] * ym + T[0, 2] * zm + T[0, 3]
-            yc = T[1, 0] * xm + T[1, 1] * ym + T[1, 2] * zm + T[1, 3]
-            u, v = fx * xc / zc + cx, fy * yc / zc + cy
-            reach = 2.0 * max(fx, fy) * radius / (zc - radius)
-            if u < -reach or v < -reach or u > width + reach or v > height + reach:
-                continue
-        has_changed = False
-        for a in range(BLOCK_EDGE):
-            for b in range(BLOCK_EDGE):
-                xw, yw = x0 + a * voxel_size, y0 + b * voxel_size
-                xr = T[0, 0] * xw + T[0, 1] * yw + T[0, 2] * z0 + T[0, 3]
-                yr = T[1, 0] * xw + T[1, 1] * yw + T[1, 2] * z0 + T[1, 3]
-                zr = T[2, 0] * xw + T[2, 1] * yw + T[2, 2] * z0 + T[2, 3]
-                for c in range(BLOCK_EDGE):
-                    z = zr + c * voxel_size * T[2, 2]
-                    if z <= 0.0:
-                        continue
-                    u = fx * (xr + c * voxel_size * T[0, 2]) / z + cx
-                    v = fy * (yr + c * voxel_size * T[1, 2]) / z + cy
-                    if not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5):
-                        continue
-                    un, vn = int(u + 0.5), int(v + 0.5)
-                    value, gain = 1.0, FULL_WEIGHT
-                    if slant[vn, un] > 0.0:
-                        ahead = _interpolated_depth(depth, u, v, un, vn) - z
-                        if ahead < -truncation:
-                            continue
-                        value = min(1.0, ahead / (truncation * slant[vn, un]))
-                        gain = _weight_of(slant[vn, un], (u - cx) / fx, (v - cy) / fy)
-                    if value == 1.0:
-                        if free_depth[vn, un] - z < truncation:
-                            continue
-                        gain = FULL_WEIGHT
-                    if gain == 0:
-                        continue
-                    before = int(weight[slot, a, b, c])
-                    tsdf[slot, a, b, c] += (value - tsdf[slot, a, b, c]) * gain / (before + gain)
-                    weight[slot, a, b, c] = min(before + gain, MAX_WEIGHT)
-                    has_changed = True
-        if has_changed:
+        _interpolate(depth.reshape(-1), width, projection, surface_z)
+        _look_up(
+            steepness.reshape(-1), gain.reshape(-1), free_depth.reshape(-1), projection.nearest,
+            pixel_steepness, pixel_gain, pixel_free,
+        )  # fmt: skip
+        if _update(
+            projection, surface_z, pixel_steepness, pixel_gain, pixel_free, np.float32(truncation),
+            blocks.tsdf[slot].reshape(VOXELS), blocks.weight[slot].reshape(VOXELS),
+        ):  # fmt: skip
             blocks.last_seen[slot] = frame_number
-            changed[changed_count] = slot
-            changed_count += 1
-    return changed[:changed_count].copy()
+            changed[count] = slot
+            count += 1
+    return changed[:count].copy()
 
 
 @compiled
-def _weight_of(slant: float, a: float, b: float) -> int:
-    """Weight for a pixel with normalised coordinates (a, b)."""
-    return int(FULL_WEIGHT / (slant * slant * (1.0 + a * a + b * b)) + 0.5)
+def _interpolate(
+    depth: NDArray[np.float32], width: int, at: BlockProjection, found: NDArray[np.float32]
+) -> None:
+    """Bilinear depth; to be believed at pixels clear of depth edges alone.
 
-
-@compiled
-def _interpolated_depth(depth: NDArray[np.float32], u: float, v: float, un: int, vn: int) -> float:
-    """Bilinear depth at (u, v); (un, vn) is the nearest pixel, clear of depth edges.
-
-    Clear means that its neighbours have depth of the same surface, so that they may be mixed.
+    Clear means that the neighbours have depth of the same surface, so that they may be mixed.
     """
-    height, width = depth.shape
-    u0, v0 = math.floor(u), math.floor(v)
-    if u0 < 0 or v0 < 0 or u0 + 1 >= width or v0 + 1 >= height:
-        return float(depth[vn, un])
-    a, b = u - u0, v - v0
-    top = (1.0 - a) * depth[v0, u0] + a * depth[v0, u0 + 1]
-    bottom = (1.0 - a) * depth[v0 + 1, u0] + a * depth[v0 + 1, u0 + 1]
-    return float((1.0 - b) * top + b * bottom)
+    below = np.uint32(width)
+    for n in range(VOXELS):
+        k = np.uint32(at.corner[n])
+        one = np.uint32(1)
+        top = depth[k] + at.right[n] * (depth[k + one] - depth[k])
+        k += below
+        bottom = depth[k] + at.right[n] * (depth[k + one] - depth[k])
+        found[n] = top + at.down[n] * (bottom - top)
+
+
+@compiled
+def _look_up(
+    steepness: NDArray[np.float32],
+    gain: NDArray[np.uint8],
+    free_depth: NDArray[np.float32],
+    nearest: NDArray[np.int32],
+    pixel_steepness: NDArray[np.float32],
+    pixel_gain: NDArray[np.float32],
+    pixel_free: NDArray[np.float32],
+) -> None:
+    for n in range(VOXELS):
+        k = np.uint32(nearest[n])
+        pixel_steepness[n] = steepness[k]
+        pixel_gain[n] = np.float32(gain[k])
+        pixel_free[n] = free_depth[k]
+
+
+@compiled
+def _update(
+    at: BlockProjection,
+    surface_z: NDArray[np.float32],
+    pixel_steepness: NDArray[np.float32],
+    pixel_gain: NDArray[np.float32],
+    pixel_free: NDArray[np.float32],
+    truncation: np.float32,
+    tsdf: NDArray[np.float32],
+    weight: NDArray[np.uint16],
+) -> bool:
+    zero, one = np.float32(0.0), np.float32(1.0)
+    full, most = np.float32(FULL_WEIGHT), np.float32(MAX_WEIGHT)
+    changes = np.int32(0)
+    for n in range(VOXELS):
+        ahead = surface_z[n] - at.z[n]
+        is_surface = pixel_steepness[n] > zero
+        value = min(one, ahead / truncation * pixel_steepness[n]) if is_surface else one
+        is_behind = is_surface & (ahead < -truncation)
+        is_far_ahead = value == one
+        is_free = pixel_free[n] - at.z[n] >= truncation
+        added = full if is_far_ahead else pixel_gain[n]
+        is_told = at.is_inside[n] & (not is_behind) & (is_free | (not is_far_ahead))
+        added = added if is_told else zero
+        total = np.float32(weight[n]) + added
+        tsdf[n] += (value - tsdf[n]) * (added / max(total, one))
+        weight[n] = np.uint16(np.int32(min(total, most)))
+        changes |= np.int32(added > zero)
+    return bool(changes != 0)

@@ -10,11 +10,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.voxel_key import NO_KEY
+from reflest_core.fusion.voxel_key import COORDINATE_BITS, NO_KEY
 from reflest_core.jit import compiled
 
 BYTES_PER_ROW = 48
 """Upper bound on the index's bytes for each row of capacity (12 bytes a slot, at most 4 slots)."""
+
+_CELL = ~(1 << (2 * COORDINATE_BITS) | 1 << COORDINATE_BITS | 1)
+"""The 2 x 2 x 2 keys that differ in the lowest bit of each coordinate have neighbouring slots, for
+neighbours are looked up together and 8 keys are one line of the processor's cache."""
 
 _HASH_FACTOR = np.uint64(0x9E3779B97F4A7C15)
 
@@ -47,8 +51,9 @@ def are_unique_keys(keys: NDArray[np.int64]) -> bool:
 
 @compiled
 def _home_slot(slot_keys: NDArray[np.int64], key: int) -> int:
-    mixed = np.uint64(key) * _HASH_FACTOR
-    return int(mixed >> np.uint64(33)) & (len(slot_keys) - 1)
+    mixed = np.uint64(key & _CELL) * _HASH_FACTOR
+    in_cell = ((key >> (2 * COORDINATE_BITS)) & 1) << 2 | ((key >> COORDINATE_BITS) & 1) << 1
+    return (int(mixed >> np.uint64(33)) << 3 | in_cell | (key & 1)) & (len(slot_keys) - 1)
 
 
 @compiled

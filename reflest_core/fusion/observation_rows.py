@@ -42,27 +42,32 @@ class ObservationRows(NamedTuple):
 
 
 @compiled
-def find_rows(rows: ObservationRows, keys: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The row of each key, -1 where it has none."""
-    found = np.empty(len(keys), np.int64)
-    for n in range(len(keys)):
-        found[n] = find_row(rows.index_keys, rows.index_rows, keys[n])
+def find_rows(
+    start: int, stop: int, rows: ObservationRows, keys: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """The row of each of ``keys[start:stop]``, -1 where it has none."""
+    found = np.empty(stop - start, np.int64)
+    for n in range(start, stop):
+        found[n - start] = find_row(rows.index_keys, rows.index_rows, keys[n])
     return found
 
 
 @compiled
 def refresh_rows(
+    start: int,
+    stop: int,
     rows: ObservationRows,
-    keys: NDArray[np.int64],
+    selected: NDArray[np.int64],
     positions: NDArray[np.float32],
     normals: NDArray[np.float32],
 ) -> None:
-    """Give the stored ones of these voxels their new position and normal."""
-    for n in range(len(keys)):
-        row = find_row(rows.index_keys, rows.index_rows, keys[n])
+    """Give the rows ``selected[start:stop]`` (-1: none) their new position and normal."""
+    for n in range(start, stop):
+        row = selected[n]
         if row >= 0:
-            rows.positions[row] = positions[n]
-            rows.normals[row] = normals[n]
+            for axis in range(3):
+                rows.positions[row, axis] = positions[n, axis]
+                rows.normals[row, axis] = normals[n, axis]
 
 
 @compiled

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from reflest_core.fusion import observation_rows
 from reflest_core.fusion.key_index import BYTES_PER_ROW, KeyIndex, are_unique_keys
 from reflest_core.fusion.observation_rows import ObservationRows
+from reflest_core.fusion.work_sharing import share_out
 
 BYTES_PER_OBSERVATION = 3 + 2
 BYTES_PER_VOXEL = BYTES_PER_ROW + 8 + 12 + 12 + 8 + 1 + 2
@@ -29,6 +30,10 @@ OBSERVATION_WORTH = 4
 
 EVICTED_SHARE = 16
 """Room is made for this fraction (one sixteenth) of the capacity at a time."""
+
+
+LEAST_SHARE = 4096
+"""Fewer voxels than this are not worth waking another thread."""
 
 
 class ObservationStore:
@@ -88,18 +93,25 @@ class ObservationStore:
         """Voxels with observations."""
         return int(np.count_nonzero(self.rows.counts[: self.count]))
 
-    def find(self, keys: NDArray[np.int64]) -> NDArray[np.int64]:
+    def find(self, keys: NDArray[np.int64], threads: int = 1) -> NDArray[np.int64]:
         """The row of each voxel key, -1 where it is not stored."""
-        return observation_rows.find_rows(self.rows, keys)
+        parts = share_out(
+            threads, len(keys), LEAST_SHARE, observation_rows.find_rows, self.rows, keys
+        )
+        return np.concatenate(parts)
 
     def refresh(
         self,
-        keys: NDArray[np.int64],
+        selected: NDArray[np.int64],
         positions: NDArray[np.float32],
         normals: NDArray[np.float32],
+        threads: int = 1,
     ) -> None:
-        """Renew position and normal of those of the (V,) voxels that are stored."""
-        observation_rows.refresh_rows(self.rows, keys, positions, normals)
+        """Renew position and normal (S, 3) of the rows ``selected``; -1 is none."""
+        share_out(
+            threads, len(selected), LEAST_SHARE, observation_rows.refresh_rows, self.rows,
+            selected, positions, normals,
+        )  # fmt: skip
 
     def move(self, left: NDArray[np.int64], left_to: NDArray[np.int64]) -> None:
         """Hand the observations of voxels that left the surface on (``SurfaceUpdate``)."""
@@ -112,26 +124,30 @@ class ObservationStore:
     def claim(
         self,
         keys: NDArray[np.int64],
+        rows: NDArray[np.int64],
         positions: NDArray[np.float32],
         normals: NDArray[np.float32],
         frame_number: int,
     ) -> NDArray[np.int64]:
         """Return a row for each voxel that frame ``frame_number`` sees, making room if need be.
 
-        ``keys``: (S,) without repeats. -1 where even eviction made no room. Rows stay valid until
-        the next call that adds or removes voxels.
+        ``keys``: (S,) without repeats. ``rows``: where they are (:meth:`find`). -1 where even
+        eviction made no room. Rows stay valid until the next call that adds or removes voxels.
         """
-        found = self.find(keys)
-        self.rows.last_seen[found[found >= 0]] = frame_number
-        missing = np.flatnonzero(found < 0)
+        self.rows.last_seen[rows[rows >= 0]] = frame_number
+        missing = np.flatnonzero(rows < 0)
         if len(missing) > self.capacity - self.count:
             self._make_room(len(missing), frame_number)
+            rows = self.find(keys)
         missing = missing[: self.capacity - self.count]
-        self.rows.last_seen[self.count : self.count + len(missing)] = frame_number
+        added = np.arange(self.count, self.count + len(missing))
+        self.rows.last_seen[added] = frame_number
         self.count = observation_rows.append_rows(
             self.rows, self.count, keys[missing], positions[missing], normals[missing]
         )
-        return self.find(keys)
+        rows = rows.copy()
+        rows[missing] = added
+        return rows
 
     def unseen_from(
         self, selected: NDArray[np.int64], views: NDArray[np.int64]

@@ -74,3 +74,57 @@ def _inside_all(
             shape, centre, half_size, points[n, 0], points[n, 1], points[n, 2]
         )
     return inside
+
+
+@compiled
+def pixels_in_region(
+    depth: NDArray[np.float32],
+    T: NDArray[np.float64],
+    K: NDArray[np.float64],
+    shape: int,
+    centre: NDArray[np.float64],
+    half_size: NDArray[np.float64],
+) -> NDArray[np.bool_]:
+    """(H, W) bool: pixels with depth whose back-projected point lies in the region.
+
+    ``depth``: metres, 0 unknown. ``T``: (4, 4) camera to world. ``K``: (3, 3).
+    """
+    height, width = depth.shape
+    inside = np.empty((height, width), np.bool_)
+    to_camera = (T[:3, 3] - centre).astype(np.float32)
+    half = half_size.astype(np.float32)
+    ray = np.empty(3, np.float32)
+    step = (T[:3, 0] / K[0, 0]).astype(np.float32)
+    for v in range(height):
+        for axis in range(3):
+            ray[axis] = (
+                T[axis, 1] * (v - K[1, 2]) / K[1, 1] - T[axis, 0] * K[0, 2] / K[0, 0] + T[axis, 2]
+            )
+        _fill_row(depth[v], to_camera, ray, step, shape, half, inside[v])
+    return inside
+
+
+@compiled
+def _fill_row(
+    depth: NDArray[np.float32],
+    origin: NDArray[np.float32],
+    ray: NDArray[np.float32],
+    step: NDArray[np.float32],
+    shape: int,
+    half: NDArray[np.float32],
+    inside: NDArray[np.bool_],
+) -> None:
+    """One row, relative to the region's centre; without branches, for vector instructions."""
+    x0, y0, z0 = origin[0], origin[1], origin[2]
+    rx, ry, rz = ray[0], ray[1], ray[2]
+    sx, sy, sz = step[0], step[1], step[2]
+    hx, hy, hz = half[0], half[1], half[2]
+    is_sphere = shape == RegionShape.SPHERE
+    for u in range(len(depth)):
+        n, z = np.float32(np.int32(u)), depth[u]
+        x = x0 + z * (rx + n * sx)
+        y = y0 + z * (ry + n * sy)
+        w = z0 + z * (rz + n * sz)
+        in_box = (abs(x) <= hx) & (abs(y) <= hy) & (abs(w) <= hz)
+        in_sphere = x * x + y * y + w * w <= hx * hx
+        inside[u] = (z > np.float32(0.0)) & (in_sphere if is_sphere else in_box)

@@ -94,20 +94,23 @@ class Scan:
         self.frame_number += 1
 
         # The surface: fuse the depth, then renew what the store knows of the blocks it changed.
-        self.store.remove(self.volume.allocate(frame, pixels, self.frame_number))
-        slots = self.volume.integrate(frame, pixels, self.frame_number)
-        surface = self.volume.extract(slots)
+        threads = self.fusion.threads
+        near, erased = self.volume.allocate(frame, pixels, self.frame_number)
+        self.store.remove(erased)
+        slots = self.volume.integrate(near, frame, pixels, self.frame_number, threads)
+        surface = self.volume.extract(slots, threads)
         self.store.move(surface.left, surface.left_to)
-        self.store.refresh(surface.keys, surface.positions, surface.normals)
+        known = self.store.find(surface.keys, threads)
+        self.store.refresh(known, surface.positions, surface.normals, threads)
 
         # The observations: a row for each voxel that this view truly sees, then its colour.
         foreground, background = foreground_background_means(frame.rgb, pixels.foreground)
         seen, colours = visible_voxels(
-            surface.positions, surface.normals, frame, pixels, self.fusion
+            surface.positions, surface.normals, frame, pixels, self.fusion, threads
         )
         positions = surface.positions[seen]
         rows = self.store.claim(
-            surface.keys[seen], positions, surface.normals[seen], self.frame_number
+            surface.keys[seen], known[seen], positions, surface.normals[seen], self.frame_number
         )
         has_row = rows >= 0
         rows, colours, positions = rows[has_row], colours[has_row], positions[has_row]

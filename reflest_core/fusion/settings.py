@@ -42,6 +42,10 @@ class FusionSettings:
         2, "Pixels this close to a depth edge give no colour and no surface.",
         unit="pixels", minimum=1, maximum=20,
     )  # fmt: skip
+    threads: int = parameter(
+        2, "Threads that share the work on a frame; results do not depend on it.",
+        minimum=1, maximum=64,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         check_parameters(self)

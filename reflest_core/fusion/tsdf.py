@@ -16,18 +16,23 @@ from numpy.typing import NDArray
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.block_allocation import allocate_blocks, pixel_stride
 from reflest_core.fusion.block_erasure import erase_blocks, surface_keys
+from reflest_core.fusion.blocks_in_sight import MOST_LOOKED_AT, blocks_in_sight
 from reflest_core.fusion.foreground import FramePixels
 from reflest_core.fusion.integration import integrate_blocks
 from reflest_core.fusion.key_index import BYTES_PER_ROW, KeyIndex, are_unique_keys
-from reflest_core.fusion.surface_extraction import extract_surface
+from reflest_core.fusion.surface_extraction import extract_surface, settle_left
 from reflest_core.fusion.tsdf_blocks import TsdfBlocks
 from reflest_core.fusion.voxel_key import BLOCK_EDGE
+from reflest_core.fusion.work_sharing import share_out
 from reflest_core.jit import kernel_array
 
 BYTES_PER_BLOCK = BLOCK_EDGE**3 * (4 + 2 + 1) + 8 + 8 + BYTES_PER_ROW
 
 ERASED_SHARE = 8
 """Room is made for this fraction (one eighth) of the capacity at a time."""
+
+LEAST_SHARE = 64
+"""Fewer blocks than this are not worth waking another thread."""
 
 
 @dataclass(frozen=True)
@@ -86,42 +91,76 @@ class TsdfVolume:
         self.count = count
         self._index.fill(self.blocks.keys[:count])
 
-    def allocate(self, frame: Frame, pixels: FramePixels, frame_number: int) -> NDArray[np.int64]:
+    def allocate(
+        self, frame: Frame, pixels: FramePixels, frame_number: int
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Make sure of blocks around the surface that the frame shows.
 
-        Returns the keys of surface voxels that were erased to make room. Blocks that this frame
-        sees are never erased: what does not fit beside them is left out.
+        Returns their slots, and the keys of surface voxels that were erased to make room. Blocks
+        that this frame sees are never erased: what does not fit beside them is left out.
         """
+        erased = [np.empty(0, np.int64)]
         farthest = float(np.max(pixels.depth, where=pixels.surface, initial=0.0))
         if farthest == 0.0:
-            return np.empty(0, np.int64)
+            return erased[0], erased[0]
         K = frame.intrinsics.matrix
         stride = pixel_stride(self.voxel_size, min(K[0, 0], K[1, 1]), farthest)
         T = kernel_array(frame.T_world_camera, np.float64)
-        erased = [np.empty(0, np.int64)]
+        touched = np.empty(self.capacity, np.int64)
+        touched_count = 0
         while True:
-            self.count, is_full = allocate_blocks(
+            self.count, touched_count, is_full = allocate_blocks(
                 pixels.depth, pixels.surface, stride, T, K, self.voxel_size, self.blocks,
-                self.count, frame_number,
+                self.count, frame_number, touched, touched_count,
             )  # fmt: skip
+            if not is_full:
+                break
             last_seen = self.blocks.last_seen[: self.count]
             unseen = np.flatnonzero(last_seen < frame_number)
-            if not (is_full and len(unseen)):
-                return np.concatenate(erased)
+            if len(unseen) == 0:
+                break
             longest_first = unseen[np.argsort(last_seen[unseen], kind="stable")]
             slots = np.sort(longest_first[: max(1, self.capacity // ERASED_SHARE)])
             erased.append(surface_keys(slots, self.blocks))
             self.count = erase_blocks(slots, self.blocks, self.count)
+            seen = np.flatnonzero(self.blocks.last_seen[: self.count] == frame_number)
+            touched_count = len(seen)
+            touched[:touched_count] = seen
+        return touched[:touched_count].copy(), np.concatenate(erased)
 
-    def integrate(self, frame: Frame, pixels: FramePixels, frame_number: int) -> NDArray[np.int64]:
-        """Fuse the frame's depth; return the slots of the blocks that changed."""
-        T_camera_world = kernel_array(np.linalg.inv(frame.T_world_camera), np.float64)
-        return integrate_blocks(
-            pixels.depth, pixels.slant, pixels.free_depth, T_camera_world,
-            frame.intrinsics.matrix, self.voxel_size, self.truncation, self.blocks, self.count,
-            frame_number,
+    def integrate(
+        self,
+        near: NDArray[np.int64],
+        frame: Frame,
+        pixels: FramePixels,
+        frame_number: int,
+        threads: int,
+    ) -> NDArray[np.int64]:
+        """Fuse the frame's depth; return the slots of the blocks that changed, ascending.
+
+        ``near``: slots of the blocks around the surface that the frame shows (:meth:`allocate`).
+        """
+        T_camera_world = np.linalg.inv(frame.T_world_camera)
+        P = kernel_array(frame.intrinsics.matrix @ T_camera_world[:3], np.float64)
+        height, width = pixels.depth.shape
+        beside = blocks_in_sight(
+            frame_number * MOST_LOOKED_AT, self.blocks.keys[: self.count],
+            self.blocks.last_seen, frame_number, P, self.voxel_size, width, height,
         )  # fmt: skip
+        slots = np.sort(np.concatenate([near, beside]))
+        changed = share_out(
+            threads, len(slots), LEAST_SHARE, integrate_blocks, slots, pixels.depth,
+            pixels.steepness, pixels.gain, pixels.free_depth, P, self.voxel_size, self.truncation,
+            self.blocks, frame_number,
+        )  # fmt: skip
+        return np.concatenate(changed)
 
-    def extract(self, slots: NDArray[np.int64]) -> SurfaceUpdate:
+    def extract(self, slots: NDArray[np.int64], threads: int) -> SurfaceUpdate:
         """Find the surface voxels in the blocks ``slots`` again."""
-        return SurfaceUpdate(*extract_surface(slots, self.voxel_size, self.truncation, self.blocks))
+        parts = share_out(
+            threads, len(slots), LEAST_SHARE, extract_surface, slots, self.voxel_size,
+            self.truncation, self.blocks,
+        )  # fmt: skip
+        update = SurfaceUpdate(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+        settle_left(update.left_to, self.blocks)
+        return update

@@ -17,7 +17,11 @@ from reflest_core.capture.frame import Frame
 from reflest_core.fusion.depth_edges import depth_tolerance
 from reflest_core.fusion.foreground import FramePixels
 from reflest_core.fusion.settings import FusionSettings
+from reflest_core.fusion.work_sharing import share_out
 from reflest_core.jit import compiled, kernel_array
+
+LEAST_SHARE = 4096
+"""Fewer voxels than this are not worth waking another thread."""
 
 
 def visible_voxels(
@@ -26,21 +30,27 @@ def visible_voxels(
     frame: Frame,
     pixels: FramePixels,
     settings: FusionSettings,
+    threads: int = 1,
 ) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
     """Return the indices (S,) of the seen among (V, 3) voxels, and their colours (S, 3).
 
     A colour is that of the nearest pixel, 8-bit sRGB.
     """
-    return _visible(
+    parts = share_out(
+        threads, len(positions), LEAST_SHARE, _visible,
         positions, normals, kernel_array(frame.rgb, np.uint8), pixels.depth, pixels.surface,
         kernel_array(np.linalg.inv(frame.T_world_camera), np.float64),
         kernel_array(frame.camera_centre, np.float64), frame.intrinsics.matrix,
         settings.voxel_size, math.cos(math.radians(settings.max_grazing_angle)),
     )  # fmt: skip
+    seen, colours = zip(*parts, strict=True)
+    return np.concatenate(seen), np.concatenate(colours)
 
 
 @compiled
 def _visible(
+    start: int,
+    stop: int,
     positions: NDArray[np.float32],
     normals: NDArray[np.float32],
     rgb: NDArray[np.uint8],
@@ -53,10 +63,10 @@ def _visible(
     least_cosine: float,
 ) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
     height, width = depth.shape
-    seen = np.empty(len(positions), np.int64)
-    colours = np.empty((len(positions), 3), np.uint8)
+    seen = np.empty(stop - start, np.int64)
+    colours = np.empty((stop - start, 3), np.uint8)
     count = 0
-    for n in range(len(positions)):
+    for n in range(start, stop):
         x, y, z = float(positions[n, 0]), float(positions[n, 1]), float(positions[n, 2])
         zc = T[2, 0] * x + T[2, 1] * y + T[2, 2] * z + T[2, 3]
         if zc <= 0.0:

@@ -18,22 +18,28 @@ NO_KEY = 0
 VOXEL_LIMIT = (1 << 20) - 2 * BLOCK_EDGE
 """Voxel coordinates lie strictly between minus and plus this (5 km either way at 5 mm)."""
 
-_BITS = 21
+COORDINATE_BITS = 21
+"""Bits of a key that each coordinate takes, the last one the lowest."""
+
 _OFFSET = 1 << 20
-_MASK = (1 << _BITS) - 1
+_MASK = (1 << COORDINATE_BITS) - 1
 
 
 @compiled
 def pack_key(i: int, j: int, k: int) -> int:
     """Pack three coordinates within ``VOXEL_LIMIT`` into a positive key; order is (i, j, k)."""
-    return ((i + _OFFSET) << (2 * _BITS)) | ((j + _OFFSET) << _BITS) | (k + _OFFSET)
+    return (
+        ((i + _OFFSET) << (2 * COORDINATE_BITS))
+        | ((j + _OFFSET) << COORDINATE_BITS)
+        | (k + _OFFSET)
+    )
 
 
 @compiled
 def unpack_key(key: int) -> tuple[int, int, int]:
     """The inverse of :func:`pack_key`."""
     return (
-        ((key >> (2 * _BITS)) & _MASK) - _OFFSET,
-        ((key >> _BITS) & _MASK) - _OFFSET,
+        ((key >> (2 * COORDINATE_BITS)) & _MASK) - _OFFSET,
+        ((key >> COORDINATE_BITS) & _MASK) - _OFFSET,
         (key & _MASK) - _OFFSET,
     )

@@ -18,7 +18,7 @@ centre_on_sphere = st.tuples(angle, st.floats(0.0, 6.0, width=32)).map(
 
 def store_with_one_voxel():
     store = ObservationStore(4, SLOTS)
-    return store, store.claim(np.array([77]), POSITION, NORMAL, 1)
+    return store, store.claim(np.array([77]), np.array([-1]), POSITION, NORMAL, 1)
 
 
 def kept_directions(store, centres):

@@ -20,7 +20,7 @@ def vectors(keys):
 
 def see(store, keys, view, frame_number):
     keys = np.asarray(keys, np.int64)
-    rows = store.claim(keys, *vectors(keys), frame_number)
+    rows = store.claim(keys, store.find(keys), *vectors(keys), frame_number)
     colours = np.stack([keys % 251, np.full(len(keys), view), keys % 7], 1).astype(np.uint8)
     store.observe(rows[rows >= 0], colours[rows >= 0], view, CENTRES)
     return rows
@@ -55,7 +55,7 @@ def test_refresh_renews_only_stored_voxels():
     store = ObservationStore(10, 5)
     see(store, [1, 2], 0, 1)
     keys = np.array([2, 3])
-    store.refresh(keys, np.full((2, 3), 9, np.float32), np.full((2, 3), 8, np.float32))
+    store.refresh(store.find(keys), np.full((2, 3), 9, np.float32), np.full((2, 3), 8, np.float32))
     assert store.count == 2
     np.testing.assert_array_equal(store.rows.positions[:2], [[1, 1, 1], [9, 9, 9]])
     np.testing.assert_array_equal(store.rows.normals[:2], [[1, -1, 1], [8, 8, 8]])

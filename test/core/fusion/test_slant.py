@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from reflest_core.fusion.slant import surface_slant
+from reflest_core.fusion.slant import FULL_WEIGHT, find_steepness
 from test.core.fusion.analytic_scene import SMALL_CAMERA
 
 
@@ -14,9 +14,13 @@ def test_plane_gives_the_cosine_of_its_viewing_angle(normal):
     depth = (normal @ [0.0, 0.0, 2.0]) / (rays @ normal)
     shown = (depth > 0.5) & (depth < 4.0)
     shown[:2] = shown[-2:] = shown[:, :2] = shown[:, -2:] = False
-    slant = surface_slant(depth.astype(np.float32), shown, 2, camera.matrix)
+    steepness = np.empty(depth.shape, np.float32)
+    gain = np.empty(depth.shape, np.uint8)
+    find_steepness(depth.astype(np.float32), shown, 2, camera.matrix, steepness, gain)
     cosine = -(rays @ normal) / np.linalg.norm(rays, axis=-1)
     steep = shown & (cosine > 0.2)
-    found = 1.0 / (slant[steep] * np.linalg.norm(rays, axis=-1)[steep])
-    assert np.all(slant[~shown] == 0.0)
+    found = steepness[steep] / np.linalg.norm(rays, axis=-1)[steep]
+    assert np.all(steepness[~shown] == 0.0)
+    assert np.all(gain[~shown] == 0)
     np.testing.assert_allclose(found, cosine[steep], atol=0.03)
+    np.testing.assert_allclose(gain[steep], FULL_WEIGHT * cosine[steep] ** 2, atol=1.5)

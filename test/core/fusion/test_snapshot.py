@@ -13,7 +13,7 @@ def filled(voxels):
     keys = np.arange(1, voxels + 1)
     positions = np.zeros((voxels, 3), np.float32)
     positions[:, 0] = keys
-    rows = store.claim(keys, positions, np.ones((voxels, 3), np.float32), 1)
+    rows = store.claim(keys, store.find(keys), positions, np.ones((voxels, 3), np.float32), 1)
     colours = np.zeros((voxels, 3), np.uint8)
     store.observe(rows, colours, 0, views.centres)
     store.observe(rows[::2], colours[::2] + 9, 1, views.centres)

@@ -20,6 +20,7 @@ from test.core.fusion.analytic_scene import (
 from test.core.fusion.open3d_peer import open3d_surface
 
 SETTINGS = FusionSettings(max_depth=1.0)
+THREADS = 2
 NO_REGION = Region.from_settings(RegionSettings())
 
 
@@ -28,9 +29,10 @@ def fuse(volume, frames):
     erased = []
     for number, frame in enumerate(frames, start=1):
         pixels = classify_pixels(frame, NO_REGION, SETTINGS)
-        erased.extend(volume.allocate(frame, pixels, number).tolist())
-        volume.extract(volume.integrate(frame, pixels, number))
-    return volume.extract(np.arange(volume.count)), erased
+        near, gone = volume.allocate(frame, pixels, number)
+        erased.extend(gone.tolist())
+        volume.extract(volume.integrate(near, frame, pixels, number, THREADS), THREADS)
+    return volume.extract(np.arange(volume.count), THREADS), erased
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +87,8 @@ def test_voxels_that_leave_are_told_with_where_their_surface_went():
     nearer = Sphere((0.006, 0.0, 0.0), 0.1)
     frame = render([nearer], look_at((0.5, 0.0, 0.0)), 1)
     pixels = classify_pixels(frame, NO_REGION, SETTINGS)
-    change = volume.extract(volume.integrate(frame, pixels, 2))
+    slots = volume.integrate(np.empty(0, np.int64), frame, pixels, 2, THREADS)
+    change = volume.extract(slots, THREADS)
     # The mean surface has moved 3 mm towards the camera: more than half a voxel.
     facing = {k: p for k, p in zip(first.keys, first.positions, strict=True) if p[0] > 0.09}
     left = set(change.left.tolist())
@@ -108,8 +111,8 @@ def test_a_surface_voxel_stays_until_its_foot_point_is_well_outside():
         image = np.full((120, 160), depth, np.float32)
         frame = Frame(number, np.zeros((120, 160, 3), np.uint8), image, np.eye(4), SMALL_CAMERA)
         pixels = classify_pixels(frame, NO_REGION, FusionSettings(max_depth=2.0))
-        volume.allocate(frame, pixels, number)
-        change = volume.extract(volume.integrate(frame, pixels, number))
+        near, _ = volume.allocate(frame, pixels, number)
+        change = volume.extract(volume.integrate(near, frame, pixels, number, 1), 1)
         layers.append({unpack_key(key)[2] for key in change.keys})
         left.append({unpack_key(key)[2] for key in change.left})
     assert layers == [{200}, {200, 201}, {201}]
