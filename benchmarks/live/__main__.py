@@ -8,7 +8,7 @@ from pathlib import Path
 
 from benchmarks.__main__ import default_cache
 from benchmarks.plan import FULL
-from benchmarks.report.sections import live_section
+from benchmarks.report.run_sections import live_section
 from benchmarks.run import run_live
 from benchmarks.scene.recording import Recording, recorded
 from reflest_core.cli.json_file import check_writable, write_json

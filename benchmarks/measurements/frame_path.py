@@ -9,7 +9,16 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.measurements.estimate_publisher import publishing
-from benchmarks.measurements.stages import ASSEMBLE, ESTIMATE, FRAME, FUSE, PUBLISH, STAGES
+from benchmarks.measurements.stages import (
+    ASSEMBLE,
+    ESTIMATE,
+    FRAME,
+    FUSE,
+    FUSE_NEW,
+    FUSE_REDUNDANT,
+    PUBLISH,
+    STAGES,
+)
 from benchmarks.measuring.resident_memory import peak_mb
 from benchmarks.measuring.stage_clock import StageClock
 from benchmarks.scene.table_scene import table_settings
@@ -61,6 +70,8 @@ def _scanned(
                 scanned = scanner.fuse(frame)
             fuse_ms[str(frame.stamp_ns)] = 1000.0 * (time.perf_counter() - started)
             lap = clock.lap()
+            kind = FUSE_NEW if scanned.fused.is_new_view else FUSE_REDUNDANT
+            clock.seconds[kind].append(lap[FUSE])
             clock.seconds[FRAME].append(lap[ASSEMBLE] + lap[FUSE])
             if scanned.keyframe is not None:
                 with clock.timing(ESTIMATE):

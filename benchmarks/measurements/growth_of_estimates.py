@@ -50,21 +50,23 @@ def _floor(voxels: int, voxel_size: float, estimates: int) -> dict[str, Any]:
         )
     )
     warm_up(scanner.estimator)
+    before = resident_mb()
     for frame in overview_frames(edge):
         scanner.fuse(frame)
     fuse = [_seconds_to_fuse(scanner, frame) for frame in small_frames(LAST_FRAMES)]
-    return {"wanted_voxels": voxels, **_cost(scanner, fuse, estimates)}
+    return {"wanted_voxels": voxels, **_cost(scanner, fuse, before, estimates)}
 
 
 def _table(view_counts: list[int], estimates: int) -> list[dict[str, Any]]:
     """Every frame adds a view."""
     scanner = Scanner(ReflestSettings(region=REGION, fusion=FusionSettings(view_spacing=0.0)))
     warm_up(scanner.estimator)
+    before = resident_mb()
     costs, fuse = [], []
     for number, frame in enumerate(rendered_frames(Recording(320, 240, max(view_counts), 6.0)), 1):
         fuse.append(_seconds_to_fuse(scanner, frame))
         if number in view_counts:
-            costs.append(_cost(scanner, fuse[-LAST_FRAMES:], estimates))
+            costs.append(_cost(scanner, fuse[-LAST_FRAMES:], before, estimates))
     return costs
 
 
@@ -74,7 +76,9 @@ def _seconds_to_fuse(scanner: Scanner, frame: Frame) -> float:
     return time.perf_counter() - started
 
 
-def _cost(scanner: Scanner, fuse: list[float], estimates: int) -> dict[str, Any]:
+def _cost(scanner: Scanner, fuse: list[float], before_mb: float, estimates: int) -> dict[str, Any]:
+    """``added_mb``: resident memory beyond that of the empty scan, ``before_mb``."""
+    added_mb = max(resident_mb() - before_mb, 0.0)
     snapshot = scanner.snapshot()
     seconds: dict[str, list[float]] = {SNAPSHOT: []}
     for model in MODELS:
@@ -94,6 +98,6 @@ def _cost(scanner: Scanner, fuse: list[float], estimates: int) -> dict[str, Any]
         "voxels": scanner.scan.voxel_count,
         "observations": scanner.scan.observation_count,
         "views": scanner.scan.view_count,
-        "resident_mb": resident_mb(),
+        "added_mb": added_mb,
         "timings": [dataclasses.asdict(one) for one in timings],
     }

@@ -6,6 +6,7 @@ from benchmarks.measuring.stage_clock import Stage
 
 ASSEMBLE = "assemble: match, decode, check"
 FUSE = "fuse"
+FUSE_NEW, FUSE_REDUNDANT = "fuse, a new view", "fuse, a redundant frame"
 FRAME = "frame: assemble and fuse"
 ESTIMATE = "estimate"
 PUBLISH = "publish"

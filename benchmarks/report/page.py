@@ -6,8 +6,19 @@ import re
 from pathlib import Path
 from typing import Any
 
-from benchmarks.report import sections
+from benchmarks.report.growth_section import growth_section
 from benchmarks.report.plots import plot_estimates, plot_frames
+from benchmarks.report.run_sections import (
+    live_section,
+    machine_section,
+    start_up_section,
+    targets_section,
+)
+from benchmarks.report.stage_sections import (
+    estimation_section,
+    open3d_section,
+    stages_section,
+)
 from reflest_core.cli.json_file import write_json
 from reflest_core.errors import ReflestError
 
@@ -44,23 +55,23 @@ def page_text(results: dict[str, Any]) -> str:
         "Written by `make bench` (`python -m benchmarks`); the same figures in full are in "
         "[performance.json](performance.json), and what to make of them in "
         "[the guide](../performance.md). Milliseconds unless named otherwise.",
-        sections.machine_section(results),
+        machine_section(results),
         "## Targets",
-        sections.targets_section(results),
+        targets_section(results),
         "## Stages of the live path",
-        sections.stages_section(results),
+        stages_section(results),
         "## Open3D's VoxelBlockGrid on the same frames",
-        sections.open3d_section(results),
+        open3d_section(results),
         "## Estimates",
-        sections.estimation_section(results),
+        estimation_section(results),
         "## Growth",
         f"![cost of a frame](../images/{FRAMES_PLOT})",
         f"![cost of an estimate](../images/{ESTIMATES_PLOT})",
-        sections.growth_section(results),
+        growth_section(results),
         "## The node at camera speed",
-        sections.live_section(results),
+        live_section(results),
         "## Start-up and replay",
-        sections.start_up_section(results),
+        start_up_section(results),
     ]
     if "capture" in results:
         capture = results["capture"]
@@ -68,8 +79,8 @@ def page_text(results: dict[str, Any]) -> str:
         as_threads["open3d"] = {"2": capture["open3d"]}
         parts += [
             f"## Frames of {capture['name']}, no region of interest",
-            sections.stages_section(as_threads),
-            sections.open3d_section(as_threads),
+            stages_section(as_threads),
+            open3d_section(as_threads),
         ]
     return "\n\n".join(part.rstrip("\n") for part in parts) + "\n"
 
@@ -79,8 +90,8 @@ def _renewed(guide: str, results: dict[str, Any]) -> str:
         raise GuideDamaged(
             f"docs/performance.md has lost its marks {BEGIN} and {END}: restore them"
         )
-    figures = f"{BEGIN}\n\n{sections.targets_section(results)}\n"
-    figures += f"Measured on: {sections.machine_section(results)}\n{END}"
+    figures = f"{BEGIN}\n\n{targets_section(results)}\n"
+    figures += f"Measured on: {machine_section(results)}\n{END}"
     return re.sub(
         f"{re.escape(BEGIN)}.*{re.escape(END)}", lambda _: figures, guide, flags=re.DOTALL
     )

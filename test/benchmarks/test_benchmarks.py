@@ -16,13 +16,15 @@ from benchmarks.measurements.stages import (
     ESTIMATION_STAGES,
     FRAME,
     FUSE,
+    FUSE_NEW,
+    FUSE_REDUNDANT,
     FUSION_STAGES,
     NETWORK,
     PUBLISH,
 )
 from benchmarks.measuring.machine import ROOT
 from benchmarks.plan import TINY
-from benchmarks.report.page import BEGIN, END, write_page
+from benchmarks.report.page import BEGIN, END, GuideDamaged, write_page
 from benchmarks.run import run
 
 pytestmark = pytest.mark.timeout(900)
@@ -61,7 +63,9 @@ def test_every_stage_of_the_live_path_is_timed(results):
     expected = {one.name for one in (*CAPTURE_STAGES, *FUSION_STAGES, *ESTIMATION_STAGES)}
     # The default model looks at grouplets; hemisphere images are HemiCNN's.
     expected -= {"hemisphere images"}
-    assert names(stages) == expected | {ASSEMBLE, FUSE, FRAME, ESTIMATE, PUBLISH}
+    assert names(stages) == expected | {
+        ASSEMBLE, FUSE, FUSE_NEW, FUSE_REDUNDANT, FRAME, ESTIMATE, PUBLISH,
+    }  # fmt: skip
     assert all(0.0 < one["p50_ms"] <= one["p95_ms"] <= one["p99_ms"] for one in stages)
 
 
@@ -69,6 +73,7 @@ def test_stages_that_run_for_every_frame_are_timed_for_every_frame(results):
     counts = {one["name"]: one["count"] for one in results["frame_path"]["1"]["stages"]}
     for name in ("match", "decode", ASSEMBLE, FUSE, FRAME):
         assert counts[name] == TINY.frame_path, name
+    assert counts[FUSE_NEW] + counts[FUSE_REDUNDANT] == TINY.frame_path
 
 
 def test_memory_is_noted_stage_by_stage(results):
@@ -156,3 +161,11 @@ def test_the_guide_gets_the_figures_between_its_marks_alone(docs):
     assert guide.endswith(f"{END}\n\nafter\n")
     assert "old figures" not in guide
     assert "whole frame against Open3D" in guide
+
+
+def test_a_guide_without_its_marks_is_left_alone(results, tmp_path):
+    guide = tmp_path / "performance.md"
+    guide.write_text("# Guide\n")
+    with pytest.raises(GuideDamaged, match="restore them"):
+        write_page(results, tmp_path)
+    assert guide.read_text() == "# Guide\n"

@@ -1,0 +1,71 @@
+"""Where it was measured, what was promised, and whole runs: the node, replay, start-up."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from benchmarks.report.stage_sections import PERCENTILES
+from benchmarks.report.table import number, table
+from benchmarks.report.targets import targets
+
+
+def machine_section(results: dict[str, Any]) -> str:
+    """Where and with what it was measured."""
+    machine = results["machine"]
+    libraries = ", ".join(f"{name} {version}" for name, version in machine["libraries"].items())
+    return (
+        f"{machine['cpu']}, {machine['cores']} cores, {machine['memory_gb']:g} GB, "
+        f"{machine['system']}, Python {machine['python']}; {libraries}. "
+        f"Commit {machine['commit']}. Load average at the start {machine['load_at_start']:g}; "
+        f"the run took {results['took_s'] / 60:.0f} minutes.\n"
+    )
+
+
+def targets_section(results: dict[str, Any]) -> str:
+    """Promise against measurement."""
+    rows = [
+        (one.what, f"{number(one.limit)} {one.unit}", number(one.measured), _yes(one.is_met))
+        for one in targets(results)
+    ]
+    return table(("target", "at most", "measured", "met"), rows)
+
+
+def live_section(results: dict[str, Any]) -> str:
+    """The bag to the node."""
+    live = results["live"]
+    lost = ", ".join(f"{cause}: {count}" for cause, count in live["lost_to_overload"].items())
+    refused = ", ".join(f"{cause}: {count}" for cause, count in live["refused"].items())
+    latency = live["latency"] or {}
+    rows = [
+        ["messages sent", f"{live['messages_sent']:,}"],
+        ["messages received", f"{live['messages_received']:,}"],
+        ["frames matched", f"{live['frames_matched']:,}"],
+        ["frames fused", f"{live['frames_fused']:,}"],
+        ["frames skipped as redundant", f"{live['frames_redundant']:,}"],
+        ["lost to overload", lost],
+        ["refused for other reasons", refused or "0"],
+        ["keyframes", str(live["keyframes"])],
+        ["keyframes skipped for a newer one", str(live["keyframes_skipped"])],
+        ["estimates", str(live["estimates"])],
+        *([f"estimate latency {p[:3]}", f"{number(latency.get(p))} ms"] for p in PERCENTILES),
+        ["peak resident memory of the node", f"{live['peak_mb']:,.0f} MB"],
+        ["cores that the node kept busy", number(live["cores_used"])],
+        ["node's start to subscribed", f"{live['start_up_s']:.1f} s"],
+    ]
+    return table((f"{live['seconds']:g} s, {live['frames_played']:,} frames", ""), rows)
+
+
+def start_up_section(results: dict[str, Any]) -> str:
+    """Start-up phases and replay speed."""
+    rows = [[one["name"], number(one["p50_ms"])] for one in results["start_up"]["phases"]]
+    replay = results["replay"]
+    return (
+        table(("start-up", "p50 ms"), rows)
+        + f"\n`reflest replay` of {replay['filmed_s']:g} s of VGA took {replay['wall_s']:.1f} s, "
+        f"its start included: {replay['times_real_time']:.1f} times real time, "
+        f"{replay['estimates']} estimates, {replay['peak_mb']:,.0f} MB at its peak.\n"
+    )
+
+
+def _yes(is_met: bool) -> str:
+    return "yes" if is_met else "**no**"
