@@ -1,0 +1,91 @@
+"""What the code has no better place to say; the page fails to be written where one is missing."""
+
+from __future__ import annotations
+
+from reflest_core.capture.refusal import RefusalCause
+
+OUTPUTS = {
+    "/reflectance/brdf": "The estimate, at each keyframe and on request; its fields are below.",
+    "/reflectance/preview": (
+        "A sphere of the estimated material under a fixed light, `rgb8`, sRGB; stamp and frame are "
+        "the estimate's."
+    ),
+    "/reflectance/voxels": (
+        "The observed surface in the world frame, metres: `x y z`, `rgb` (see `voxels.colour`), "
+        "`normal_x normal_y normal_z`, `views` (observations of the voxel). Without points after a "
+        "reset."
+    ),
+    "/reflectance/markers": (
+        "In the world frame: the values and how far to trust them as text (namespace `values`), "
+        "the cameras of the keyframes, newest brightest (`keyframes`), the region of interest "
+        "(`region`)."
+    ),
+    "/diagnostics": "One status each `input.diagnostics_period`; its keys are below.",
+}
+"""Published topics, by their full names."""
+
+DIAGNOSTICS = {
+    "messages ROLE": "Messages received on the topic of that role.",
+    "rate ROLE (Hz)": "Messages each second, over the last 5 s.",
+    "incompatible QoS ROLE": "Present where publishers cannot be heard: both policies and the fix.",
+    "matched ratio": "Frames for each colour image, over the last 5 s; nan without images.",
+    "frames matched": "Colour images that found depth, calibration and pose.",
+    "frames fused": "Frames that went into the scan.",
+    "queue": "Messages and jobs that wait for fusion.",
+    "keyframes": "Frames at which an estimate was due.",
+    "keyframes skipped": "Keyframes that a newer one replaced before their estimate was begun.",
+    "keyframes without an estimate": "Keyframes at which the scan held too little.",
+    "last reason for no estimate": "Why; empty where there was none.",
+    "estimates": "Estimates published.",
+    "last estimate's age (s)": "Since its publication; nan before the first.",
+    "last estimate's latency (s)": "From its image's arrival, or the request, to its publication.",
+    "voxels": "Surface voxels in the store.",
+    "observations": "Observations in the store.",
+    "views": "Views in the store.",
+    "store (MB)": "Reserved by volume, store and views.",
+    "store budget (MB)": "`fusion.memory_budget_mb`.",
+    "store in use": "Share of the store that is taken, 0 to 1; at 1 old voxels give way.",
+    "exposure drift (stops)": "How the views' mean brightness has moved since the scan began.",
+    "autosave's age (s)": "Since the last one; present with autosave.",
+    "autosave's duration (s)": "Of the last one; present with autosave.",
+    "autosave's failure": "Why the last one failed; present with autosave, empty where it did not.",
+    "refused CAUSE": "Frames and messages refused for that cause; present where there were any.",
+}
+"""Keys of the status. ROLE: an input of the table above. CAUSE: one of the causes below."""
+
+CONDITIONAL = (
+    "incompatible QoS ROLE", "refused CAUSE", "autosave's age (s)", "autosave's duration (s)",
+    "autosave's failure",
+)  # fmt: skip
+"""Keys that a node without trouble does not show."""
+
+REFUSALS = {
+    RefusalCause.ENCODING: "An encoding or compression that is not supported.",
+    RefusalCause.SIZE: "Image sizes that do not fit one another or their calibration.",
+    RefusalCause.TRUNCATED: "Fewer bytes than height, step and encoding ask for.",
+    RefusalCause.CAMERA_INFO_MISSING: "A colour image, but no calibration.",
+    RefusalCause.CAMERA_INFO_INVALID: "A calibration that is no pinhole camera's, or unsupported.",
+    RefusalCause.POSE_INVALID: "A pose that is not finite or not a rotation.",
+    RefusalCause.POSE_MISSING: "No pose at the image's stamp.",
+    RefusalCause.DEPTH_MISSING: "No depth image at the colour image's stamp.",
+    RefusalCause.DEPTH_EMPTY: "A depth image without a valid pixel.",
+    RefusalCause.MASK_MISSING: "No mask at the colour image's stamp.",
+    RefusalCause.FRAME_MISMATCH: "Frames that contradict one another.",
+    RefusalCause.TRANSFORM_MISSING: "No transform between two frames at the stamp.",
+    RefusalCause.TRANSFORM_INVALID: "A transform that is not finite or not a rotation.",
+    RefusalCause.STAMP_INVALID: "A stamp that is no time.",
+    RefusalCause.TIME_BACKWARDS: "A message or frame before one that was used already.",
+    RefusalCause.CLOCK_JUMP: "The clock went back; what waited was dropped.",
+    RefusalCause.NO_OVERLAP: "Nothing of the image is the scanned object.",
+    RefusalCause.QUEUE_FULL: "Fusion was slower than the input.",
+}
+
+
+def diagnostic_pattern(key: str, roles: list[str]) -> str:
+    """The key of :data:`DIAGNOSTICS` that a live key stands for."""
+    if key.startswith("refused "):
+        return "refused CAUSE"
+    for role in sorted(roles, key=len, reverse=True):
+        if f" {role}" in key:
+            return key.replace(f" {role}", " ROLE", 1)
+    return key
