@@ -14,6 +14,7 @@ from reflest_core.capture.refusal import RefusalCause
 from reflest_core.fusion.settings import FusionSettings
 from reflest_ros.recent_counts import RecentCounts
 from reflest_ros.scan_session import ScanSession
+from reflest_ros.scan_warnings import ScanWarnings
 from reflest_ros.settings import InputSettings
 from reflest_ros.silence import SilenceWatch
 
@@ -27,6 +28,7 @@ class _Watched:
 
     session: ScanSession
     silence: SilenceWatch
+    scan: ScanWarnings
     messages: RecentCounts[Role]
     frames: RecentCounts[str]
     refusals: RecentCounts[RefusalCause]
@@ -48,6 +50,7 @@ class Diagnostics:
         if session is not None:
             self._watched = _Watched(
                 session, SilenceWatch(self._node, session.inputs.states, self._settings.silence),
+                ScanWarnings(self._node, self._budget_mb),
                 RecentCounts(WINDOW), RecentCounts(WINDOW), RecentCounts(WINDOW),
             )  # fmt: skip
 
@@ -99,7 +102,15 @@ class Diagnostics:
             "views": str(counts.views),
             "store (MB)": f"{counts.nbytes / 1e6:.1f}",
             "store budget (MB)": f"{self._budget_mb:.1f}",
+            "store in use": f"{counts.fill:.3f}",
+            "exposure drift (stops)": f"{counts.exposure_drift:.2f}",
         }
+        if session.autosave.path is not None:
+            values |= {
+                "autosave's age (s)": f"{time.monotonic() - session.autosave.saved_at:.3f}",
+                "autosave's duration (s)": f"{session.autosave.duration:.3f}",
+                "autosave's failure": session.autosave.failure,
+            }
         # A copy, for the fusion thread may add a cause meanwhile.
         refused = dict(session.assembler.refusals.counts)
         return values | {f"refused {cause.value}": str(n) for cause, n in refused.items()}
@@ -130,4 +141,7 @@ def _warnings(watched: _Watched) -> list[str]:
         for cause, sentence in list(refusals.first_message.items())
         if watched.refusals.increase(cause) > 0
     ]
+    warnings += watched.scan.check(session.fusion.counts)
+    if session.autosave.failure:
+        warnings.append(f"autosave fails: {session.autosave.failure}")
     return warnings

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import queue
 import threading
 import time
@@ -16,6 +17,7 @@ from reflest_core.capture.messages import Role, SensorMessage
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
+from reflest_core.fusion.exposure_drift import exposure_drift
 from reflest_ros.worker_thread import worker_thread
 
 MOST_ARRIVALS = 1000
@@ -34,7 +36,10 @@ class Keyframe:
 
 @dataclass
 class FusionCounts:
-    """What fusion did so far; written by the worker, read by the diagnostics."""
+    """What fusion did so far; written by the worker, read by the diagnostics.
+
+    ``fill``: share of the store's budget in use. ``exposure_drift``: stops, NaN where unknown.
+    """
 
     messages: dict[Role, int] = field(default_factory=lambda: dict.fromkeys(Role, 0))
     matched: int = 0
@@ -45,6 +50,8 @@ class FusionCounts:
     observations: int = 0
     views: int = 0
     nbytes: int = 0
+    fill: float = 0.0
+    exposure_drift: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -163,6 +170,7 @@ class FusionWorker:
         self.counts.observations = scan.observation_count
         self.counts.views = scan.view_count
         self.counts.nbytes = scan.nbytes
+        self.counts.fill = scan.fill
 
     def _run(self) -> None:
         while not self._is_stopping:
@@ -198,6 +206,7 @@ class FusionWorker:
             self.count_store()
             if scanned.keyframe is not None:
                 self.counts.keyframes += 1
+                self.counts.exposure_drift = exposure_drift(self._scanner.scan.views)
                 self._on_keyframe(Keyframe(scanned.keyframe, arrival))
 
     def _report_drops(self) -> None:

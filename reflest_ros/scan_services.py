@@ -8,13 +8,12 @@ from typing import Protocol
 
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
-from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
-from reflest_core.errors import ReflestError
 from reflest_core.estimation.scanner import Scanner
 from reflest_core.fusion.settings import RegionSettings
 from reflest_ros.fusion_worker import FusionWorker
+from reflest_ros.region_parameters import set_region_parameters
 from reflest_ros.service_answer import answer_with, given_path
 from reflest_ros.srv import LoadScan, SaveScan, SetRegion
 
@@ -78,7 +77,7 @@ class ScanServices:
         def work() -> str:
             path = given_path(request.path)
             self._between_frames(lambda: self._session.load(path))
-            self._set_region_parameters(self._session.scanner.scan.region_settings)
+            set_region_parameters(self._node, self._session.scanner.scan.region_settings)
             return f"loaded {self._voxels} from {path}"
 
         return answer_with(response, work)
@@ -93,7 +92,7 @@ class ScanServices:
                 request.shape, tuple(request.centre.tolist()), tuple(request.size.tolist())
             )
             is_new = region != self._session.scanner.scan.region_settings
-            self._set_region_parameters(region)
+            set_region_parameters(self._node, region)
             if not is_new:
                 return "this is the region already: the scan goes on"
             kind = "no" if region.shape == "none" else f"a {region.shape} as"
@@ -107,15 +106,3 @@ class ScanServices:
 
     def _between_frames(self, work: Callable[[], None]) -> None:
         self._session.fusion.call(work).result()
-
-    def _set_region_parameters(self, region: RegionSettings) -> None:
-        """Set the node's parameters, whose guard hands them to the session."""
-        result = self._node.set_parameters_atomically(
-            [
-                Parameter("region.shape", value=region.shape),
-                Parameter("region.centre", value=list(region.centre)),
-                Parameter("region.size", value=list(region.size)),
-            ]
-        )
-        if not result.successful:
-            raise ReflestError(result.reason)

@@ -8,17 +8,20 @@ from pathlib import Path
 from rclpy.node import Node
 
 from reflest_core.capture.assembler import FrameAssembler
-from reflest_core.capture.refusal import FrameRefused
+from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.estimation.warm_up import warm_up
 from reflest_core.fusion.keyframe import KeyframePolicy
 from reflest_core.fusion.settings import RegionSettings
+from reflest_ros.autosave import Autosave
+from reflest_ros.clock_watch import ClockWatch
 from reflest_ros.estimate_output import EstimateOutput
 from reflest_ros.estimate_services import EstimateServices
 from reflest_ros.estimation_worker import EstimationWorker
 from reflest_ros.fusion_worker import FusionWorker
+from reflest_ros.region_parameters import set_region_parameters
 from reflest_ros.scan_services import ScanServices
 from reflest_ros.settings import NodeSettings
 from reflest_ros.subscriptions import Inputs
@@ -39,11 +42,15 @@ class ScanSession:
         on_crash: Callable[[BaseException], None],
     ) -> None:
         self._settings = settings
+        self._resets_on_jump = node_settings.input.reset_on_clock_jump
         self._log = node.get_logger()
         self.inputs = Inputs(node, node_settings, settings.capture)
         self.scanner = Scanner(settings)
         warm_up(self.scanner.estimator)
-        self.assembler = FrameAssembler(settings.capture, self.inputs.topics, self._on_refusal)
+        self.autosave = Autosave(node, node_settings.autosave, self.scanner)
+        self.assembler = FrameAssembler(
+            settings.capture, self.inputs.topics, self._on_refusal, self._on_clock_jump
+        )
         self.is_active = False
         self.output = EstimateOutput(node, [view(node) for view in VIEWS])
         self.estimation = EstimationWorker(self.scanner.estimate, self.output, on_crash)
@@ -54,8 +61,13 @@ class ScanSession:
         self._services = (
             ScanServices(node, self), EstimateServices(node, self.fusion, self.estimation)
         )  # fmt: skip
+        if self.autosave.resume():
+            set_region_parameters(node, self.scanner.scan.region_settings)
+            self.fusion.count_store()
+        self._clock_watch = ClockWatch(node, settings.capture.clock_jump, self._ros_clock_jumped)
         self.estimation.start()
         self.fusion.start()
+        self.autosave.start(self.fusion)
 
     def activate(self) -> None:
         """Subscribe."""
@@ -71,9 +83,11 @@ class ScanSession:
     def close(self) -> None:
         """End the threads and give everything back."""
         self.inputs.deactivate()
+        self._clock_watch.stop()
         for services in self._services:
             services.destroy()
         self.fusion.stop()
+        self.autosave.stop()
         self.estimation.stop()
         self.output.destroy()
 
@@ -109,6 +123,24 @@ class ScanSession:
     def _scan_changed(self) -> None:
         self.fusion.count_store()
         self.estimation.forget()
+
+    def _on_clock_jump(self, _: str) -> None:
+        """Stamps went back: empty the scan or go on with it, as the user chose."""
+        if self._resets_on_jump:
+            self.scanner.reset()
+            self._scan_changed()
+        else:
+            self.scanner.restart_clock()
+
+    def _ros_clock_jumped(self, sentence: str) -> None:
+        """The node's clock went back: what waits belongs to the time before."""
+
+        def work() -> None:
+            self.assembler.refuse(FrameRefused(RefusalCause.CLOCK_JUMP, sentence))
+            self.fusion.forget_messages()
+            self._on_clock_jump(sentence)
+
+        self.fusion.call(work)
 
     def _on_refusal(self, refusal: FrameRefused, is_first: bool) -> None:
         if is_first:

@@ -72,6 +72,10 @@ class InputSettings:
         0.5, "After this long without a message, frames that wait for later messages are settled.",
         unit="s", minimum=0.01, maximum=60.0,
     )  # fmt: skip
+    reset_on_clock_jump: bool = parameter(
+        False, "When time goes back (a bag loops, a simulation restarts), forget the scan as well "
+        "as what waits; otherwise the scan goes on with what comes next.",
+    )  # fmt: skip
     diagnostics_period: float = parameter(
         1.0, "Time between two messages on /diagnostics.", unit="s", minimum=0.02, maximum=60.0
     )
@@ -93,10 +97,28 @@ class LifecycleSettings:
 
 
 @dataclass(frozen=True)
+class AutosaveSettings:
+    """What a node that ends without warning leaves behind."""
+
+    path: str = parameter(
+        "", "File to which the scan is saved now and then and when the node is cleaned up, and "
+        "from which the next start goes on; empty: none. One file for each node.",
+    )  # fmt: skip
+    period: float = parameter(
+        10.0, "Time between two savings of a scan that changes.",
+        unit="s", minimum=0.1, maximum=86400.0,
+    )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        check_parameters(self)
+
+
+@dataclass(frozen=True)
 class NodeSettings:
     """The node's own groups of parameters."""
 
     lifecycle: LifecycleSettings = field(default_factory=LifecycleSettings)
+    autosave: AutosaveSettings = field(default_factory=AutosaveSettings)
     topics: TopicSettings = field(default_factory=TopicSettings)
     input: InputSettings = field(default_factory=InputSettings)
     preview: PreviewSettings = field(default_factory=PreviewSettings)

@@ -203,6 +203,12 @@ class Scan:
         """Bytes reserved by volume, store and views; at most ``memory_budget_mb``."""
         return self.volume.nbytes + self.store.nbytes + self.views.nbytes
 
+    @property
+    def fill(self) -> float:
+        """Share of the fullest of volume, store and views; near 1, old voxels give way to new."""
+        stages = (self.volume, self.store, self.views)
+        return max(stage.count / stage.capacity for stage in stages)
+
     def _stages(self) -> tuple[tuple[str, TsdfVolume | ObservationStore | ViewTable], ...]:
         return ("volume", self.volume), ("store", self.store), ("views", self.views)
 

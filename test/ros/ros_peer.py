@@ -30,6 +30,7 @@ class RosPeer:
         self.estimates: list[BrdfEstimate] = []
         self.diagnostics: dict[str, str] = {}
         self.state = ""
+        self.node_time = 0.0
         self.level = DiagnosticStatus.STALE
         self._changed = threading.Condition()
         self._context = Context()
@@ -126,4 +127,5 @@ class RosPeer:
             (status,) = message.status
             self.diagnostics = {pair.key: pair.value for pair in status.values}
             self.state, self.level = status.message, status.level
+            self.node_time = message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
             self._changed.notify_all()

@@ -1,0 +1,91 @@
+"""A node that is killed in mid-scan goes on with the scan when it is started again."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import signal
+
+from sphere_messages import messages_of
+from sphere_scene import views
+from std_srvs.srv import Trigger
+
+from reflest_core.fusion.scan_file import read_scan
+from reflest_ros.estimate_message import estimate_from_message
+from reflest_ros.srv import Estimate
+
+
+def started(start, settings_file, path):
+    node = start(
+        "reflest_ros.estimator", "--ros-args", "--params-file", settings_file,
+        "-p", f"autosave.path:={path}", "-p", "autosave.period:=0.1",
+    )  # fmt: skip
+    node.wait_for_line("listening to", 200.0)
+    return node
+
+
+def send(peer, some):
+    for view in some:
+        for topic, message in messages_of(view):
+            peer.publish(topic, message)
+
+
+def saved_frames(path):
+    return read_scan(path)[0]["frame_number"] if path.exists() else None
+
+
+def estimate(peer):
+    response = peer.call(Estimate, "estimate")
+    assert response.success, response.message
+    return dataclasses.replace(estimate_from_message(response.estimate), latency=math.nan).to_json()
+
+
+def test_kill_and_resume(start, peer, settings_file, tmp_path):
+    path = tmp_path / "scan.reflest"
+    first, second = list(views(8))[:5], list(views(8))[5:]
+
+    node = started(start, settings_file, path)
+    send(peer, first)
+    peer.wait_until(lambda: saved_frames(path) == 5, "the scan was not saved")
+    before = estimate(peer)
+    node.interrupt(signal.SIGKILL)
+    assert node.exit_code() == -signal.SIGKILL
+    (tmp_path / ".scan.reflest.1.partial").write_bytes(b"what a kill in mid-write leaves")
+
+    # Started again, it has the scan, and goes on with stamps after it and before it.
+    node = started(start, settings_file, path)
+    assert "5 views" in node.wait_for_line("resumed the scan")
+    assert estimate(peer) == before
+    assert list(tmp_path.iterdir()) == [path]
+    send(peer, second)
+    peer.wait_until(lambda: saved_frames(path) == 8, "the scan did not go on")
+    node.interrupt(signal.SIGKILL)
+    node.exit_code()
+    node = started(start, settings_file, path)
+    send(peer, first[:1])
+    peer.wait_until(lambda: saved_frames(path) == 9, "the scan did not go on")
+
+    # What a reset forgot stays forgotten, also where the node ends at once.
+    assert peer.call(Trigger, "reset").success
+    node.interrupt(signal.SIGTERM)
+    assert node.exit_code() == 0, node.output
+    assert saved_frames(path) == 0
+
+
+def test_a_file_that_cannot_be_read_is_put_aside(start, settings_file, tmp_path):
+    path = tmp_path / "scan.reflest"
+    path.write_bytes(b"no scan")
+    node = started(start, settings_file, path)
+    assert "a new scan begins" in node.wait_for_line("unreadable")
+    assert (tmp_path / "scan.reflest.unreadable").read_bytes() == b"no scan"
+
+
+def test_a_folder_that_goes_is_said_and_the_scan_goes_on(start, peer, settings_file, tmp_path):
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    node = started(start, settings_file, folder / "scan.reflest")
+    folder.rmdir()
+    send(peer, list(views(8))[:2])
+    assert str(folder) in node.wait_for_line("goes on without autosave")
+    peer.wait_until(lambda: "autosave fails" in peer.state, "diagnostics do not say so")
+    assert estimate(peer)["voxel_count"] > 0
