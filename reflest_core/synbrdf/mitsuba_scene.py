@@ -15,9 +15,25 @@ from reflest_core.synbrdf.ward_bsdf import WardBSDF
 mi: Any = load_mitsuba()
 import drjit as dr  # noqa: E402  (Mitsuba's loader must choose the LLVM first)
 
+PATH_DEPTH = 4
+"""Mitsuba's ``max_depth`` of what the networks see."""
+ENVIRONMENT_TURNS = (("z", 90.0), ("x", 90.0))
+"""Axes and degrees, multiplied in this order: Mitsuba's maps have y up and azimuth measured from
+-z; ours have z up and u = 1/2 at +x."""
+
 
 def mitsuba_scene(mesh: TriangleMesh, bsdf: WardBSDF, radiance: NDArray[np.float32]) -> Any:
     """The object under a lat-long map in the convention of :mod:`.environments`."""
+    to_world = mi.ScalarTransform4f()
+    for axis, degrees in ENVIRONMENT_TURNS:
+        to_world = to_world.rotate([float(axis == name) for name in "xyz"], degrees)
+    environment = {"type": "envmap", "bitmap": mi.Bitmap(radiance), "to_world": to_world}
+    shape = mitsuba_mesh(mesh, bsdf)
+    return mi.load_dict({"type": "scene", "object": shape, "environment": environment})
+
+
+def mitsuba_mesh(mesh: TriangleMesh, bsdf: WardBSDF) -> Any:
+    """The object alone, in single precision."""
     properties = mi.Properties()
     properties["mesh_bsdf"] = bsdf
     shape = mi.Mesh(
@@ -28,16 +44,13 @@ def mitsuba_scene(mesh: TriangleMesh, bsdf: WardBSDF, radiance: NDArray[np.float
     parameters["vertex_normals"] = mi.Float(mesh.normals.astype(np.float32).reshape(-1))
     parameters["faces"] = mi.UInt32(mesh.faces.astype(np.uint32).reshape(-1))
     parameters.update()
-    # Mitsuba's maps have y up and azimuth measured from -z; ours have z up and u = 1/2 at +x.
-    to_world = mi.ScalarTransform4f().rotate([0, 0, 1], 90).rotate([1, 0, 0], 90)
-    environment = {"type": "envmap", "bitmap": mi.Bitmap(radiance), "to_world": to_world}
-    return mi.load_dict({"type": "scene", "object": shape, "environment": environment})
+    return shape
 
 
 class RadianceTracer:
     """Path-traces single rays, in wavefronts of one size so that a kernel compiles only once."""
 
-    def __init__(self, samples: int, lanes: int = 1 << 21, depth: int = 4) -> None:
+    def __init__(self, samples: int, lanes: int = 1 << 21, depth: int = PATH_DEPTH) -> None:
         """``samples`` a ray; ``lanes`` paths at once; ``depth`` as Mitsuba's ``max_depth``."""
         self.samples = samples
         self.rays_at_once = lanes // samples

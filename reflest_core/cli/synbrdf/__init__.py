@@ -6,7 +6,7 @@ import argparse
 import importlib
 from typing import Any
 
-PRODUCTS = ("generate", "sequence")
+PRODUCTS = ("generate", "images", "xml", "render", "sequence")
 
 
 def add_parser(subparsers: Any) -> None:

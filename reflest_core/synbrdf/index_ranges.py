@@ -1,0 +1,27 @@
+"""Which scenes or views are meant: ``7``, ``0:10``, ``0:100:20`` and lists of these."""
+
+from __future__ import annotations
+
+from reflest_core.errors import ReflestError
+
+
+class IndexRangeError(ReflestError):
+    """A selection that names nothing."""
+
+
+def parse_indices(text: str, count: int, what: str) -> list[int]:
+    """Indices below ``count``, in order, each once; ``what`` is named in errors."""
+    chosen: set[int] = set()
+    for part in text.split(","):
+        try:
+            numbers = [int(number) for number in part.split(":")]
+            indices = range(*numbers) if len(numbers) > 1 else range(numbers[0], numbers[0] + 1)
+        except (ValueError, TypeError) as error:
+            raise IndexRangeError(
+                f"--{what} does not understand {part!r}: give numbers, FIRST:END or "
+                "FIRST:END:STEP, with commas between them"
+            ) from error
+        chosen.update(indices)
+    if not chosen or min(chosen) < 0 or max(chosen) >= count:
+        raise IndexRangeError(f"--{what} {text} must name some of 0 to {count - 1}")
+    return sorted(chosen)
