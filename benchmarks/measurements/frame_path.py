@@ -33,12 +33,14 @@ def measure(
 ) -> dict[str, Any]:
     """Time every stage over the first ``frames``, then note memory over ``memory_frames``.
 
-    ``is_table``: set the region of interest to the object on the table. ``threads``: of the
-    network.
+    ``is_table``: set the region of interest to the object on the table. ``threads``: of
+    fusion and of the network.
     """
     settings = table_settings() if is_table else ReflestSettings()
     settings = dataclasses.replace(
-        settings, estimation=dataclasses.replace(settings.estimation, threads=threads)
+        settings,
+        fusion=dataclasses.replace(settings.fusion, threads=threads),
+        estimation=dataclasses.replace(settings.estimation, threads=threads),
     )
     clock = StageClock(STAGES)
     scanner, fuse_ms = _scanned(Path(capture), frames, settings, clock)

@@ -45,6 +45,7 @@ class StageClock:
         self._stages = stages
         self._with_memory = with_memory and forget_peak()
         self._current: dict[str, float] = defaultdict(float)
+        self._running: set[str] = set()
 
     @contextlib.contextmanager
     def watching(self) -> Iterator[None]:
@@ -83,12 +84,16 @@ class StageClock:
     def _timed(self, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
         @functools.wraps(function)
         def timed(*arguments: Any, **options: Any) -> Any:
+            if name in self._running:  # one function of the stage calls another
+                return function(*arguments, **options)
+            self._running.add(name)
             before = resident_mb() if self._with_memory and forget_peak() else 0.0
             started = time.perf_counter()
             try:
                 return function(*arguments, **options)
             finally:
                 self._current[name] += time.perf_counter() - started
+                self._running.remove(name)
                 if self._with_memory:
                     added = max(peak_mb() - before, 0.0)
                     self.memory_mb[name] = max(added, self.memory_mb.get(name, 0.0))

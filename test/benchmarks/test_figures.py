@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import sys
 import time
 
 import numpy as np
@@ -33,6 +35,24 @@ def test_a_stage_sums_its_calls_of_a_lap_and_is_unwrapped_afterwards():
         clock.lap()
     assert len(clock.seconds["ticks"]) == 1
     assert time.perf_counter_ns is original
+
+
+def outer():
+    return inner()
+
+
+def inner():
+    return 1
+
+
+def test_a_stage_whose_functions_call_each_other_is_counted_once(monkeypatch):
+    ticks = itertools.count()
+    monkeypatch.setattr("time.perf_counter", lambda: next(ticks))
+    clock = StageClock([Stage("both", (f"{__name__}:outer", f"{__name__}:inner"))])
+    with clock.watching():
+        assert sys.modules[__name__].outer() == 1
+        clock.lap()
+    assert clock.seconds["both"] == [1]
 
 
 @pytest.mark.parametrize("place", ["reflest_core.nowhere:f", "reflest_core.capture.pose:Gone.f"])
