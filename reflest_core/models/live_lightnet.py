@@ -1,0 +1,121 @@
+"""lightnet as it runs while scanning: NumPy alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.features.light.shading import Shading
+from reflest_core.models.dense_layer import DenseLayer
+from reflest_core.models.quantisation import Tensors
+from reflest_core.models.threads import one_blas_thread
+
+Array = NDArray[np.float32]
+
+FLOOR = np.float32(0.03)
+"""Added before a logarithm: ratios below it say the same, dark."""
+
+
+class LiveLightNet:
+    """The network of ``models/lightnet.py`` with its ``tensors``."""
+
+    def __init__(self, tensors: Tensors) -> None:
+        self._observation = _two_layers(tensors, "observation")
+        self._voxel = _two_layers(tensors, "voxel")
+        self._attention = DenseLayer.of(tensors, "attention")
+        self._channel = _two_layers(tensors, "channel")
+        self._gloss = _two_layers(tensors, "gloss")
+        self._diffuse_head = DenseLayer.of(tensors, "diffuse_head")
+        self._gloss_head = DenseLayer.of(tensors, "gloss_head")
+
+    def evaluate(self, look: Shading) -> tuple[Array, Array]:
+        """Means and log variances, (5,) each, of the z-scored parameters."""
+        with one_blas_thread():
+            mean_light = look.diffuse_light.mean(axis=0)
+            voxels = self._described_voxels(look, mean_light)
+            weights = self._attention.linear(voxels)
+            weights = np.exp(weights - weights.max(axis=0))
+            weights /= weights.sum(axis=0)
+            width = voxels.shape[-1] // weights.shape[-1]
+            weighed = (np.repeat(weights, width, axis=-1) * voxels).sum(axis=0)
+            spread = np.sqrt(voxels.var(axis=0) + np.float32(1e-6))
+            zone_light = _log(look.zones[:, :3] / mean_light).T
+            every_zone = np.concatenate(
+                [zone_light.mean(axis=0), look.zones[:, 3], look.zones[:, 4]]
+            )
+            channels = _run(
+                self._channel,
+                np.concatenate(
+                    [
+                        weighed,
+                        spread,
+                        look.scene_fit.reshape(3, -1),
+                        zone_light,
+                        np.broadcast_to(every_zone, (3, len(every_zone))),
+                    ],
+                    axis=-1,
+                ),
+            )
+            gloss = _run(self._gloss, np.concatenate([channels.mean(axis=0), channels.max(axis=0)]))
+            beside = np.broadcast_to(gloss, channels.shape)
+            diffuse = self._diffuse_head.linear(np.concatenate([channels, beside], axis=-1))
+            specular = self._gloss_head.linear(gloss)
+        means = np.concatenate([diffuse[:, 0], specular[:2]])
+        return means, np.concatenate([diffuse[:, 1], specular[2:]])
+
+    def _described_voxels(self, look: Shading, mean_light: Array) -> Array:
+        """(V, 3, width): every voxel by channel, from the observations that were made of it."""
+        voxel_of, slot = np.nonzero(look.is_seen)
+        rows = len(voxel_of)
+        shares = np.concatenate([look.lobe_seen, look.lobe_clipped], axis=-1)[voxel_of, slot]
+        observations = np.concatenate(
+            [
+                _log(look.apparent[voxel_of, slot])[..., None],
+                look.clipped[voxel_of, slot][..., None],
+                np.broadcast_to(look.cosine[voxel_of, slot][:, None, None], (rows, 3, 1)),
+                _log(look.lobe[voxel_of, slot]).transpose(0, 2, 1),
+                np.broadcast_to(shares[:, None], (rows, 3, shares.shape[-1])),
+            ],
+            axis=-1,
+        )
+        described = _run(self._observation, observations)
+        count = look.is_seen.sum(axis=1)
+        starts = np.cumsum(count) - count
+        norm = count[:, None, None].astype(np.float32)
+        mean = np.add.reduceat(described, starts, axis=0) / norm
+        squares = np.add.reduceat((described - mean[voxel_of]) ** 2, starts, axis=0) / norm
+        greatest = np.maximum.reduceat(described, starts, axis=0)
+        voxels = len(count)
+        known = np.stack([look.diffuse_seen, look.diffuse_clipped], axis=-1)
+        beside = np.concatenate(
+            [count[:, None] / np.float32(look.is_seen.shape[1]), look.normals, known], axis=-1
+        ).astype(np.float32)
+        return _run(
+            self._voxel,
+            np.concatenate(
+                [
+                    mean,
+                    np.sqrt(squares + np.float32(1e-6)),
+                    greatest,
+                    _log(look.diffuse_light / mean_light)[..., None],
+                    np.broadcast_to(beside[:, None], (voxels, 3, beside.shape[-1])),
+                    look.voxel_fit.reshape(voxels, 3, -1),
+                ],
+                axis=-1,
+            ),
+        )
+
+
+def _two_layers(tensors: Tensors, name: str) -> tuple[DenseLayer, DenseLayer]:
+    return DenseLayer.of(tensors, f"{name}.0"), DenseLayer.of(tensors, f"{name}.2")
+
+
+def _run(layers: tuple[DenseLayer, DenseLayer], values: Array) -> Array:
+    for layer in layers:
+        values = layer.linear(values)
+        values /= np.float32(1.0) + np.exp(-values)  # SiLU
+    return values
+
+
+def _log(ratio: Array) -> Array:
+    return np.asarray(np.log(ratio + FLOOR), np.float32)

@@ -1,0 +1,70 @@
+"""lightnet while scanning: PyTorch's results, whatever the padding."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import torch
+
+from reflest_core.features.light.shading import Shading, shading
+from reflest_core.features.voxel_choice import choose_voxels
+from reflest_core.fusion.light_map import LightMap
+from reflest_core.models.lightnet import VOXELS, LightNet
+from reflest_core.models.live_lightnet import LiveLightNet
+from test.core.surfaces import sphere_surface
+
+
+@pytest.fixture(scope="module")
+def network():
+    torch.manual_seed(1)
+    module = LightNet()
+    return module, LiveLightNet({name: t.numpy() for name, t in module.state_dict().items()})
+
+
+def look_at(voxels, seed=0):
+    rng = np.random.default_rng(seed)
+    light = LightMap()
+    directions = rng.normal(size=(4000, 3)).astype(np.float32)
+    light.add(
+        directions[directions[:, 2] < 0.5],
+        rng.integers(0, 256, (int((directions[:, 2] < 0.5).sum()), 3)).astype(np.uint8),
+    )
+    surface = sphere_surface(voxels=300, views=40)
+    return shading(surface, light.observed(), choose_voxels(surface, voxels))
+
+
+def batched(look, padding):
+    arrays = {}
+    for field in dataclasses.fields(Shading):
+        array = getattr(look, field.name)
+        if field.name not in ("scene_fit", "zones"):
+            array = np.pad(array, [(0, padding)] + [(0, 0)] * (array.ndim - 1))
+        arrays[field.name] = torch.from_numpy(array)[None]
+    return arrays
+
+
+@pytest.mark.parametrize("voxels", [1, 7, VOXELS])
+def test_it_is_pytorchs_with_any_padding(network, voxels):
+    module, live = network
+    look = look_at(voxels)
+    means, log_variances = live.evaluate(look)
+    for padding in (0, 5):
+        with torch.inference_mode():
+            expected = module(**batched(look, padding))
+        np.testing.assert_allclose(means, expected[0][0].numpy(), atol=2e-5)
+        np.testing.assert_allclose(log_variances, expected[1][0].numpy(), atol=2e-5)
+
+
+def test_colour_channels_are_alike(network):
+    """Red light and red material swapped with blue swaps the estimate, and nothing else."""
+    _, live = network
+    look = look_at(20)
+    swap = [2, 1, 0]
+    swapped = dataclasses.replace(
+        look, apparent=look.apparent[..., swap], clipped=look.clipped[..., swap],
+        lobe=look.lobe[..., swap], diffuse_light=look.diffuse_light[:, swap],
+        voxel_fit=look.voxel_fit[:, swap], scene_fit=look.scene_fit[swap],
+        zones=look.zones[:, [*swap, 3, 4]],
+    )  # fmt: skip
+    for found, expected in zip(live.evaluate(swapped), live.evaluate(look), strict=True):
+        np.testing.assert_allclose(found, expected[[*swap, 3, 4]], atol=1e-5)
