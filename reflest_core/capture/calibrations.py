@@ -25,14 +25,16 @@ class Calibrations:
         return self._infos[-1].stamp_ns if self._infos else None
 
     def is_known(self, info: CameraInfoMessage) -> bool:
-        """Whether ``info`` says what the last one said."""
-        return (
-            bool(self._infos)
-            and replace(info, stamp_ns=self._infos[-1].stamp_ns) == (self._infos[-1])
-        )
+        """Whether ``info`` says what the last one said; if earlier, that was in force earlier."""
+        if not self._infos or replace(info, stamp_ns=self._infos[-1].stamp_ns) != self._infos[-1]:
+            return False
+        if info.stamp_ns < self._infos[-1].stamp_ns:
+            known = [one for one in self._infos[:-1] if one.stamp_ns < info.stamp_ns]
+            self._infos = [*known, info]
+        return True
 
     def add(self, info: CameraInfoMessage) -> None:
-        """Take a change; its stamp must come after ``latest_ns``."""
+        """Take a change; its stamp must come after ``latest``."""
         self._infos.append(info)
 
     @property

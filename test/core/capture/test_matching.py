@@ -316,3 +316,13 @@ def test_an_image_is_given_up_when_colour_is_far_ahead_of_it():
     assert rig.causes == {}
     rig.add(Role.RGB, image(601))
     assert rig.causes == {RefusalCause.DEPTH_MISSING: 1}
+
+
+def test_a_calibration_said_again_with_an_earlier_stamp_is_in_force_earlier():
+    """One wrong calibration with a right one stamped far ahead must not stay in force."""
+    rig = Rig()
+    rig.add(Role.CAMERA_INFO, info(10, width=1), info(900), info(20))
+    rig.add(Role.DEPTH, image(15), image(30))
+    rig.add(Role.POSE, pose(15), pose(30))
+    matched = rig.add(Role.RGB, image(15), image(30))
+    assert [match.camera_info.width for match in matched] == [1, 640]
