@@ -32,9 +32,12 @@ test: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
 bench: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
 	$(BIN)/python -m benchmarks $(BENCH_ARGS)
 
+LINTED := reflest_core reflest_ros test benchmarks launch scripts setup.py
+
 lint: $(VENV)/test.stamp $(VENV)/interfaces.stamp
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	$(BIN)/ament_flake8 --config .ci/ament_flake8.ini $(LINTED)
 
 set-up: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
 

@@ -10,6 +10,7 @@ from typing import Any, TypeVar, cast
 from rclpy.node import Node
 
 from reflest_core.estimation.settings import with_values
+from reflest_core.fusion.snapshot import MOST_VOXELS
 from reflest_core.parameter import check_parameters, parameter
 from reflest_core.rendering.voxel_colours import VoxelColouring
 
@@ -42,8 +43,8 @@ class VoxelSettings:
         choices=tuple(one.value for one in VoxelColouring),
     )
     max_points: int = parameter(
-        20000, "Most points in the cloud; a larger one is thinned evenly.",
-        minimum=100, maximum=20000,
+        MOST_VOXELS, "Most points in the cloud; a larger one is thinned evenly.",
+        minimum=100, maximum=MOST_VOXELS,
     )  # fmt: skip
 
     def __post_init__(self) -> None:

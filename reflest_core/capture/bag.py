@@ -125,7 +125,7 @@ class Bag:
             mode = str(information.get("compression_mode", "")).lower()
         except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError, AttributeError):
             self._notes.append(f"{folder}/metadata.yaml is missing or damaged, files go by name")
-            names, mode = sorted(map(lambda path: path.name, folder.iterdir()), key=_by_number), ""
+            names, mode = sorted((path.name for path in folder.iterdir()), key=_by_number), ""
         if mode == "file" or any(name.endswith(".zstd") for name in names):
             raise CaptureError(
                 f"{folder} is compressed file by file: unpack it with `zstd -d --rm "

@@ -15,7 +15,7 @@ MOST_VOXELS = 10_000
 
 
 def observed_surface(store: ObservationStore, views: ViewTable) -> ObservedSurface:
-    """Copy voxels that have observations, :data:`MOST_VOXELS` at most; view indices are view ids."""
+    """Copy :data:`MOST_VOXELS` voxels with observations at most; view indices are view ids."""
     rows = store.rows
     selected = thinned(rows.counts[: store.count], MOST_VOXELS)
     offsets = np.zeros(len(selected) + 1, np.int64)

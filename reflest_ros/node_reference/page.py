@@ -45,12 +45,12 @@ by `python -m reflest_ros.demo.pictures`, not screenshots of a display.
 """
 
 
-class ReferenceError(ReflestError):
+class UndescribedError(ReflestError):
     """The node offers what nobody has described, or the description names what is not there."""
 
 
 def page(facts: NodeFacts) -> str:
-    """The whole page; raises :class:`ReferenceError`."""
+    """The whole page; raises :class:`UndescribedError`."""
     sections = (
         HEADER, _lifecycle(), _inputs(), _outputs(facts), LOOKS, _estimate_message(),
         _services(facts), _parameters(), _diagnostics(facts),
@@ -156,7 +156,7 @@ def _diagnostics(facts: NodeFacts) -> str:
 
 def _same(kind: str, offered: Iterable[object], described: Iterable[object]) -> None:
     for one in set(offered) ^ set(described):
-        raise ReferenceError(
+        raise UndescribedError(
             f"the {kind} {one} is offered or described, but not both: mend "
             "reflest_ros/node_reference/descriptions.py"
         )

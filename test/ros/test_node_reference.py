@@ -14,7 +14,7 @@ from reflest_core.capture.refusal import RefusalCause
 from reflest_ros.node_reference.descriptions import CONDITIONAL, DIAGNOSTICS, OUTPUTS
 from reflest_ros.node_reference.interface_file import read_interface
 from reflest_ros.node_reference.live_node import NodeFacts, OfferedTopic
-from reflest_ros.node_reference.page import ReferenceError, page
+from reflest_ros.node_reference.page import UndescribedError, page
 from reflest_ros.parameters import all_parameters
 from reflest_ros.qos import OUTPUT_QOS
 
@@ -53,13 +53,13 @@ def test_a_topic_that_nobody_described_is_an_error(change):
     topics = FACTS.topics[1:]
     if change == "more":
         topics = (*FACTS.topics, OfferedTopic("/reflectance/new", "a/msg/B", OUTPUT_QOS))
-    with pytest.raises(ReferenceError, match=r"mend .*descriptions\.py"):
+    with pytest.raises(UndescribedError, match=r"mend .*descriptions\.py"):
         page(dataclasses.replace(FACTS, topics=topics))
 
 
 def test_a_diagnostic_that_nobody_described_is_an_error():
     keys = (*FACTS.diagnostics, "mood rgb")
-    with pytest.raises(ReferenceError, match="the diagnostic mood ROLE is"):
+    with pytest.raises(UndescribedError, match="the diagnostic mood ROLE is"):
         page(dataclasses.replace(FACTS, diagnostics=keys))
 
 
