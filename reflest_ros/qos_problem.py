@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
-from rclpy.qos import DurabilityPolicy, QoSCompatibility, QoSProfile, ReliabilityPolicy
+from rclpy.qos import (
+    DurabilityPolicy,
+    QoSCompatibility,
+    QoSPolicyKind,
+    QoSProfile,
+    ReliabilityPolicy,
+)
 from rclpy.qos import qos_check_compatible as check_compatible
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
@@ -16,6 +22,15 @@ def qos_problem(topic: str, publishers: list[TopicEndpointInfo], wanted: QoSProf
     return f"{topic} is not received: {described}. {_fix(topic, unheard, wanted)}"
 
 
+def unseen_problem(topic: str, policy: QoSPolicyKind) -> str:
+    """Return the sentence about a publisher of which the policy that differs is known alone."""
+    name = policy.name.lower()
+    return (
+        f"{topic} is not received: a publisher offers another {name} than is asked for. Set "
+        f"qos_overrides.{topic}.subscription.{name} as the publisher's"
+    )
+
+
 def _is_heard(publisher: TopicEndpointInfo, wanted: QoSProfile) -> bool:
     compatibility, _ = check_compatible(publisher.qos_profile, wanted)
     return bool(compatibility != QoSCompatibility.ERROR)
@@ -24,6 +39,8 @@ def _is_heard(publisher: TopicEndpointInfo, wanted: QoSProfile) -> bool:
 def _described(publisher: TopicEndpointInfo, wanted: QoSProfile) -> str:
     offered = publisher.qos_profile
     name = f"{publisher.node_namespace.rstrip('/')}/{publisher.node_name}"
+    if "UNKNOWN" in name:  # its node's name travels apart from the publisher
+        name = "a publisher"
     differences = [
         f"{kind} {offer.name.lower()} while {request.name.lower()} is asked for"
         for kind, offer, request in (

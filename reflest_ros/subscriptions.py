@@ -19,7 +19,7 @@ from reflest_core.capture.refusal import FrameRefused
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.errors import ReflestError
 from reflest_ros.input_topics import InputTopic, input_topics
-from reflest_ros.qos_problem import qos_problem
+from reflest_ros.qos_problem import qos_problem, unseen_problem
 from reflest_ros.settings import NodeSettings
 
 OVERRIDABLE = (
@@ -96,7 +96,6 @@ class Inputs:
         :class:`ReflestError` naming the topic where one of these cannot be used.
         """
         for topic, state in self._listened:
-            state.last_arrival = time.monotonic()
             state.qos_problem = ""
             try:
                 self._subscriptions.append(self._subscribed(topic, state, sink.offer))
@@ -106,6 +105,11 @@ class Inputs:
                     f"{topic.name} cannot be subscribed to: {error}; mend its parameters "
                     f"qos_overrides.{topic.name}.subscription"
                 ) from error
+
+        # Together, so that topics which stay silent are named together.
+        started = time.monotonic()
+        for state in self.states:
+            state.last_arrival = started
 
     def deactivate(self) -> None:
         """Drop the subscriptions."""
@@ -121,21 +125,23 @@ class Inputs:
             state.take(converted)
             offer(topic.role, converted)
             if state.qos_problem:  # perhaps it was mended
-                self._check_qos(topic, state)
+                state.qos_problem = self._qos_problem(topic)
 
         return self._node.create_subscription(
             topic.message_type, topic.name, on_message, topic.qos,
             event_callbacks=SubscriptionEventCallbacks(
-                incompatible_qos=lambda _: self._check_qos(topic, state)
+                incompatible_qos=lambda event: self._on_incompatible_qos(topic, state, event)
             ),
             qos_overriding_options=QoSOverridingOptions(OVERRIDABLE),
         )  # fmt: skip
 
-    def _check_qos(self, topic: InputTopic, state: Input) -> None:
-        """Warn of publishers that are not heard, once for each set of them."""
+    def _on_incompatible_qos(self, topic: InputTopic, state: Input, event: Any) -> None:
+        """Warn of a publisher that has just been found out of reach."""
+        unseen = unseen_problem(topic.name, QoSPolicyKind(event.last_policy_kind))
+        state.qos_problem = self._qos_problem(topic) or unseen
+        self._node.get_logger().warning(state.qos_problem)
+
+    def _qos_problem(self, topic: InputTopic) -> str:
         publishers = self._node.get_publishers_info_by_topic(topic.name)
         # rclpy writes the overrides into the profile that it was given.
-        problem = qos_problem(topic.name, publishers, topic.qos)
-        if problem and problem != state.qos_problem:
-            self._node.get_logger().warning(problem)
-        state.qos_problem = problem
+        return qos_problem(topic.name, publishers, topic.qos)

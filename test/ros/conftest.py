@@ -7,6 +7,7 @@ from pathlib import Path
 
 import domain_coordinator
 import pytest
+from feed import Feed
 from own_process import ROOT, OwnProcess
 from ros_peer import RosPeer
 from sphere_messages import write_sphere_bag
@@ -71,6 +72,14 @@ def node(start: Callable[..., OwnProcess], settings_file: Path) -> OwnProcess:
     process = start("reflest_ros.estimator", "--ros-args", "--params-file", settings_file)
     process.wait_for_line("listening to", COMPILE_TIME)
     return process
+
+
+@pytest.fixture(scope="module")
+def feed(node: OwnProcess, peer: RosPeer) -> Iterator[Feed]:
+    """Views sent to the node; it must outlive the module's tests."""
+    yield Feed(node, peer)
+    assert node.is_running
+    assert "Traceback" not in node.output
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,7 @@ from rcl_interfaces.srv import DescribeParameters, GetParameters, SetParameters
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
 
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_ros.estimate_message import estimate_from_message
@@ -84,6 +85,14 @@ class RosPeer:
         output = self._outputs[topic]
         self.wait_until(lambda: output.get_subscription_count() > 0, f"no subscriber of {topic}")
         output.publish(message)
+
+    def offer(self, kind: type, topic: str, qos: QoSProfile) -> Publisher:
+        """A publisher of any quality, whether anyone can hear it or not."""
+        return self._node.create_publisher(kind, topic, qos)
+
+    def withdraw(self, output: Publisher) -> None:
+        """Take a publisher away."""
+        self._node.destroy_publisher(output)
 
     def is_heard(self, topic: str) -> bool:
         """Whether anyone subscribes to a topic that was published before."""
