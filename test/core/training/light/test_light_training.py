@@ -1,0 +1,123 @@
+"""Training lightnet: variations stay true, the loss has known values, a killed run goes on."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+import torch
+
+from reflest_core.models.lightnet import VOXELS, LightNet
+from reflest_core.models.weights import load_weights
+from reflest_core.training.light.light_batches import varied_looks, whole_looks
+from reflest_core.training.light.light_trainer import LIGHT_RECIPE, LightData, LightTrainer
+from reflest_core.training.light.likelihood import SQUARED_SHARE, likelihood_loss
+from reflest_core.training.light.shading_shards import Shadings
+
+SLOTS, K, TRUE = 12, 8, 3
+
+
+def made_looks(count, seed):
+    """Looks that obey ``apparent = rho_d + rho_s lobe[TRUE]`` exactly, some voxels padded."""
+    rng = np.random.default_rng(seed)
+    ward = rng.uniform(0.05, 0.9, (count, 5)).astype(np.float32)
+    seen = rng.uniform(size=(count, VOXELS, SLOTS)) < 0.7
+    seen[:, 10:] &= (rng.uniform(size=(count, VOXELS - 10)) < 0.5)[..., None]
+    lobe = rng.gamma(1.0, 1.0, (count, VOXELS, SLOTS, K, 3))
+    apparent = ward[:, None, None, :3] + ward[:, None, None, 3:4] * lobe[:, :, :, TRUE]
+    normals = rng.normal(size=(count, VOXELS, 3))
+    share = rng.uniform(size=(count, VOXELS, SLOTS, K))
+    arrays = {
+        "is_seen": seen,
+        "apparent": apparent * seen[..., None],
+        "clipped": np.zeros((count, VOXELS, SLOTS, 3)),
+        "cosine": rng.uniform(0.3, 1.0, (count, VOXELS, SLOTS)) * seen,
+        "lobe": lobe * seen[..., None, None],
+        "lobe_seen": share, "lobe_clipped": 0.1 * share,
+        "normals": normals / np.linalg.norm(normals, axis=-1, keepdims=True),
+        "diffuse_light": rng.uniform(0.2, 0.6, (count, VOXELS, 3)),
+        "diffuse_seen": rng.uniform(size=(count, VOXELS)),
+        "diffuse_clipped": rng.uniform(0.0, 0.1, (count, VOXELS)),
+        "voxel_fit": rng.normal(size=(count, VOXELS, 3, K, 3)),
+        "scene_fit": rng.normal(size=(count, 3, K, 3)),
+        "zones": rng.uniform(0.0, 1.0, (count, 8, 5)),
+    }  # fmt: skip
+    as_stored = {n: a if a.dtype == bool else a.astype(np.float16) for n, a in arrays.items()}
+    many = np.full(count, 100)
+    return Shadings(as_stored, ward, many, np.arange(count), np.full(count, "sky-0"))
+
+
+def test_varied_looks_still_obey_the_physics_of_their_truth():
+    looks = made_looks(6, 0)
+    rows = np.array([0, 3, 5, 5])
+    look, truth = varied_looks(looks, rows, 20, 8, torch.Generator().manual_seed(2))
+    assert look["is_seen"].shape == (4, 20, 8)
+    expected = truth[:, None, None, :3] + truth[:, None, None, 3:4] * look["lobe"][:, :, :, TRUE]
+    seen = look["is_seen"]
+    torch.testing.assert_close(look["apparent"][seen], expected[seen], atol=0.02, rtol=5e-3)
+    assert not torch.equal(truth[:, :3], torch.from_numpy(looks.ward[rows, :3]))
+    torch.testing.assert_close(look["normals"].norm(dim=-1), torch.ones(4, 20), atol=2e-3, rtol=0)
+
+
+def test_turning_keeps_the_vertical():
+    """Light comes from above: heights of normals are kept, one by one."""
+    looks = made_looks(2, 1)
+    look, _ = varied_looks(looks, np.arange(2), VOXELS, SLOTS, torch.Generator().manual_seed(0))
+    heights = np.sort(look["normals"][..., 2].numpy(), axis=1)
+    np.testing.assert_allclose(
+        heights, np.sort(looks.arrays["normals"][..., 2].astype(np.float32), axis=1), atol=1e-3
+    )
+
+
+def test_the_loss_is_a_weighted_gaussian_likelihood():
+    means, truth = torch.tensor([[1.0]]), torch.tensor([[3.0]])
+    log_variance = torch.tensor([[math.log(4.0)]], requires_grad=True)
+    loss = likelihood_loss(means, log_variance, truth)
+    negative_log = 0.5 * (math.log(4.0) + 4.0 / 4.0)
+    assert loss.item() == pytest.approx(2.0 * negative_log + SQUARED_SHARE * 4.0)
+    loss.backward()
+    assert log_variance.grad.item() == pytest.approx(0.0, abs=1e-6)  # 4 is the variance seen
+
+
+RECIPE = dataclasses.replace(LIGHT_RECIPE, minibatches=6, batch_size=4, warm_up=1)
+
+
+def test_a_killed_training_goes_on_to_the_same_weights(tmp_path):
+    data = LightData(made_looks(12, 0), made_looks(5, 1))
+    whole = LightTrainer(RECIPE, data, tmp_path / "whole", validate_every=3).run()
+    killed = LightTrainer(RECIPE, data, tmp_path / "killed", validate_every=3)
+    take_step = killed._step
+
+    def killed_at_five(minibatch):
+        if minibatch == 4:
+            raise KeyboardInterrupt
+        return take_step(minibatch)
+
+    killed._step = killed_at_five
+    with pytest.raises(KeyboardInterrupt):
+        killed.run()
+    again = LightTrainer(RECIPE, data, tmp_path / "killed", validate_every=3).run()
+    for name, tensor in load_weights(whole)[0].items():
+        np.testing.assert_array_equal(load_weights(again)[0][name], tensor)
+
+
+def test_it_learns_what_the_looks_tell(tmp_path):
+    """From exact looks, the truth: far better than the mean after a few hundred minibatches."""
+    data = LightData(made_looks(200, 0), made_looks(50, 1))
+    recipe = dataclasses.replace(RECIPE, minibatches=150, batch_size=16, voxels=8, warm_up=10)
+    trainer = LightTrainer(recipe, data, tmp_path, validate_every=150)
+    trainer.run()
+    rmse = float(trainer.log.path.read_text().splitlines()[-1].split(",")[2])
+    assert rmse < 0.8
+
+
+def test_padding_is_never_looked_at():
+    looks = made_looks(2, 4)
+    clean = {n: t.clone() for n, t in whole_looks(looks, np.arange(2)).items()}
+    dirty = {n: t.clone() for n, t in clean.items()}
+    unseen = ~clean["is_seen"].any(dim=2)
+    dirty["voxel_fit"][unseen] = 7.0
+    dirty["normals"][unseen] = 5.0
+    module = LightNet()
+    for one, other in zip(module(**clean), module(**dirty), strict=True):
+        torch.testing.assert_close(one, other)
