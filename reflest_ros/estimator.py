@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 
 from rclpy.executors import MultiThreadedExecutor
 
@@ -10,8 +11,11 @@ from reflest_core.errors import ReflestError
 from reflest_ros.process import ignore_signals, ros_process
 from reflest_ros.worker_thread import worker_thread
 
-EXECUTOR_THREADS = 3
-"""One for the subscriptions, two for services that wait for fusion."""
+EXECUTOR_THREADS = 4
+"""One for the subscriptions, one for the diagnostics, two for services that wait for fusion."""
+
+LONGEST_WAIT = 0.5
+"""Seconds; the executor is woken at the end, this only bounds what a missed call would cost."""
 
 
 def main(args: list[str] | None = None) -> int:
@@ -34,15 +38,24 @@ def _run_node() -> int:
     node.bring_up()
     executor = MultiThreadedExecutor(EXECUTOR_THREADS)
     executor.add_node(node)
-    spinning = worker_thread("executor", executor.spin, node.crash)
+    is_ending = threading.Event()
+
+    def spin() -> None:
+        while not is_ending.is_set():
+            executor.spin_once(timeout_sec=LONGEST_WAIT)
+
+    spinning = worker_thread("executor", spin, node.crash)
     try:
         spinning.start()
         node.has_crashed.wait()
     finally:
+        # One after the other, so that no callback runs on what is gone.
         ignore_signals()
-        node.destroy_node()
-        executor.shutdown()
+        is_ending.set()
+        executor.wake()
         spinning.join()
+        executor.shutdown()
+        node.destroy_node()
     return 1
 
 

@@ -1,0 +1,90 @@
+"""The parameter files of the cameras, and the launch file that chooses among them."""
+
+from __future__ import annotations
+
+import ast
+
+import pytest
+import rclpy
+import yaml
+from own_process import ROOT
+from rclpy.context import Context
+from rclpy.node import Node
+
+from reflest_core.estimation.settings import ReflestSettings
+from reflest_ros.node_name import NODE_NAME
+from reflest_ros.parameters import declare_parameters
+
+LAUNCH = ROOT / "launch" / "estimator.launch.py"
+CAMERAS = ("realsense", "azure_kinect", "orbbec", "tum")
+
+
+def leaves(path):
+    """Full names and values of a parameter file."""
+    groups = yaml.safe_load(path.read_text())["/**"]["ros__parameters"]
+    return {f"{g}.{name}": value for g, group in groups.items() for name, value in group.items()}
+
+
+@pytest.fixture
+def declared(request):
+    """A node that was given a camera's file after the base file, as the launch file does."""
+    context = Context()
+    files = [ROOT / "config" / f"{name}.yaml" for name in ("estimator", request.param)]
+    given = [word for path in files for word in ("--params-file", str(path))]
+    rclpy.init(args=["--ros-args", *given], context=context)
+    node = Node("camera_file", context=context)
+    yield leaves(files[1]), node, declare_parameters(node)
+    node.destroy_node()
+    context.try_shutdown()
+
+
+@pytest.mark.parametrize("declared", CAMERAS, indirect=True)
+def test_a_camera_file_sets_every_parameter_that_it_names(declared):
+    values, node, (node_settings, settings) = declared
+    assert {name: node.get_parameter(name).value for name in values} == values
+    for role in ("rgb", "depth", "camera_info"):
+        topic = values[f"topics.{role}"]
+        assert getattr(node_settings.topics, role) == topic
+        assert not topic.startswith("/"), "an absolute topic cannot be put into a namespace"
+    assert settings.capture.depth_scale == values["capture.depth_scale"]
+    assert settings.capture.pose_source == "tf"
+
+
+@pytest.mark.parametrize("camera", CAMERAS)
+def test_replay_reads_the_same_file(camera):
+    path = ROOT / "config" / f"{camera}.yaml"
+    settings = ReflestSettings.from_yaml(path)
+    assert settings.capture.world_frame == leaves(path)["capture.world_frame"]
+
+
+def constants(tree):
+    return [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
+
+
+def test_the_launch_file_names_what_is_there():
+    tree = ast.parse(LAUNCH.read_text())
+    (choices,) = (
+        ast.literal_eval(node.value)
+        for node in tree.body
+        if isinstance(node, ast.Assign) and node.targets[0].id == "CAMERAS"
+    )
+    assert choices == ("none", *CAMERAS)
+    strings = [text for text in constants(tree) if isinstance(text, str)]
+    for suffix in (".yaml", ".xml", ".rviz"):
+        for name in strings:
+            if name.endswith(suffix) and len(name) > len(suffix):
+                assert (ROOT / "config" / name).is_file(), name
+    assert (ROOT / "scripts" / "estimator").is_file()
+    assert "scripts/estimator" in (ROOT / "CMakeLists.txt").read_text()
+    assert not [text for text in strings if text.startswith("/")]
+
+
+def test_the_launch_file_launches_the_node_by_its_name():
+    (call,) = (
+        node
+        for node in ast.walk(ast.parse(LAUNCH.read_text()))
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "LifecycleNode"
+    )
+    given = {word.arg: word.value for word in call.keywords}
+    assert ast.literal_eval(given["name"]) == NODE_NAME
+    assert ast.literal_eval(given["executable"]) == "estimator"
