@@ -13,7 +13,7 @@ from reflest_core.jit import compiled
 MIN_OBSERVATIONS = 5
 """A voxel seen less often is chosen only where there are too few others."""
 
-MOST_CANDIDATES = 4096
+MOST_CANDIDATES = 2048
 """Voxels that are clustered; a larger surface is thinned, so that the choice costs no more."""
 
 

@@ -88,11 +88,9 @@ class LiveGrouplet:
     def _describe(self, drawn: Grouplets, nodes: slice, space: _Workspace) -> Array:
         """The nodes' 128 values each, before pooling; they stay in ``space``."""
         members = drawn.members[nodes]
-        first, last = int(members.min()), int(members.max())
-        observations = drawn.observations[first : last + 1]
-        hidden = self._branch[0].tanh(observations, space.hidden)
+        first, last, rows, ends, summands = observations_by_place(members)
+        hidden = self._branch[0].tanh(drawn.observations[first:last], space.hidden)
         branches = self._branch[1].tanh(hidden, space.branches)
-        rows, ends, summands = observations_by_place(members - np.int32(first), len(branches))
         # The hidden values are done with: their place takes the branches of all pairs.
         paired = np.take(branches, rows, axis=0, out=space.hidden[: len(rows)], mode="clip")
         products = space.products[: len(rows)]
@@ -125,22 +123,24 @@ class _Workspace:
 
 @compiled
 def observations_by_place(
-    members: NDArray[np.int32], count: int
-) -> tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int32]]:
-    """The distinct pairs of observation and place in ``members`` (G, 5), rows below ``count``.
+    members: NDArray[np.int32],
+) -> tuple[int, int, NDArray[np.int32], NDArray[np.int64], NDArray[np.int32]]:
+    """The distinct pairs of observation and place in ``members`` (G, 5).
 
-    Returns the observation of each pair (P,), ordered by place; where each place's pairs begin and
-    the last ones end (6,); and the pairs of each node (G, 5).
+    Returns the first observation and one past the last; the observation of each pair (P,), counted
+    from the first, ordered by place; where each place's pairs begin and the last ones end (6,); and
+    the pairs of each node (G, 5).
     """
-    pair_of = np.full((BRANCHES, count), -1, np.int32)
+    first, last = members.min(), members.max() + 1
+    pair_of = np.full((BRANCHES, last - first), -1, np.int32)
     for node in members:
         for place in range(BRANCHES):
-            pair_of[place, node[place]] = 0
+            pair_of[place, node[place] - first] = 0
     rows = np.empty(members.size, np.int32)
     ends = np.zeros(BRANCHES + 1, np.int64)
     pairs = 0
     for place in range(BRANCHES):
-        for row in range(count):
+        for row in range(last - first):
             if pair_of[place, row] == 0:
                 pair_of[place, row] = pairs
                 rows[pairs] = row
@@ -149,8 +149,8 @@ def observations_by_place(
     summands = np.empty_like(members)
     for node in range(len(members)):
         for place in range(BRANCHES):
-            summands[node, place] = pair_of[place, members[node, place]]
-    return rows[:pairs], ends, summands
+            summands[node, place] = pair_of[place, members[node, place] - first]
+    return first, last, rows[:pairs], ends, summands
 
 
 @compiled

@@ -1,14 +1,18 @@
 """Grouplets: what a branch holds, its order, sampling without replacement, repeatability."""
 
+import dataclasses
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
 from reflest_core.features.grouplets import (
     BRANCHES,
+    DRAWN_FROM,
     NODES_PER_VOXEL,
     draw_grouplets,
     draw_without_repeats,
+    shuffled_slots,
 )
 from test.core.surfaces import sphere_surface
 
@@ -73,6 +77,32 @@ def test_a_voxel_seen_less_often_than_a_node_has_branches_repeats_its_observatio
     drawn = draw_grouplets(SURFACE, voxels, seed=1)
     assert drawn.members.shape == (len(voxels) * NODES_PER_VOXEL, BRANCHES)
     assert len(drawn.observations) <= SURFACE.observation_counts[voxels].sum()
+
+
+def test_nodes_share_observations_of_an_often_seen_voxel_and_each_is_as_likely():
+    surface = sphere_surface(voxels=20, views=200)
+    voxel = np.array([int(np.argmax(surface.observation_counts))])
+    count = int(surface.observation_counts[voxel[0]])
+    assert count > 2 * DRAWN_FROM
+    colours = np.zeros_like(surface.colours)
+    colours[surface.offsets[voxel[0]] :][:count, 0] = np.arange(count)
+    surface = dataclasses.replace(surface, colours=colours)
+    drawn = np.zeros(count)
+    seeds = 2000
+    for seed in range(seeds):
+        observations = draw_grouplets(surface, voxel, seed).observations
+        assert len(observations) <= DRAWN_FROM
+        drawn[np.rint(observations[:, 0] * 255).astype(int)] += 1
+    likely = drawn.sum() / seeds / count
+    spread = np.sqrt(seeds * likely * (1 - likely))
+    assert np.abs(drawn - seeds * likely).max() < 5 * spread
+
+
+@given(st.integers(0, 60), st.lists(st.floats(0, 1, exclude_max=True), max_size=30))
+def test_shuffled_slots_are_distinct_and_as_many_as_asked(count, uniform):
+    slots = shuffled_slots(np.array(uniform), count)
+    assert len(set(slots.tolist())) == len(slots) == min(count, len(uniform))
+    assert ((slots >= 0) & (slots < count)).all()
 
 
 @given(

@@ -113,12 +113,13 @@ def test_a_thread_that_fails_is_heard_of():
 
 
 def test_pairs_of_observation_and_place_are_distinct_and_rebuild_the_nodes():
-    members = np.random.default_rng(0).integers(0, 7, (40, 5)).astype(np.int32)
-    rows, ends, summands = observations_by_place(members, 7)
-    np.testing.assert_array_equal(rows[summands], members)
+    members = np.random.default_rng(0).integers(100, 107, (40, 5)).astype(np.int32)
+    first, last, rows, ends, summands = observations_by_place(members)
+    assert (first, last) == (100, 107)
+    np.testing.assert_array_equal(first + rows[summands], members)
     for place in range(5):
         part = rows[ends[place] : ends[place + 1]]
-        assert part.tolist() == sorted(set(members[:, place].tolist()))
+        assert (first + part).tolist() == sorted(set(members[:, place].tolist()))
         assert (summands[:, place] >= ends[place]).all()
         assert (summands[:, place] < ends[place + 1]).all()
 
