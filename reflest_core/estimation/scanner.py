@@ -5,7 +5,7 @@ The ROS node and ``reflest replay`` both drive this class, so that they agree bi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +28,8 @@ class KeyframeSnapshot:
 
     ``T_world_camera``: (4, 4) float64, the keyframe's pose; None where no frame was fused yet, as
     after a load. ``frame_id``, ``world_frame_id``: names of the camera's and of the world frame.
+    ``voxel_count``, ``observation_count``: of the whole scan, where the surface is a part of it;
+    None where it is all there is.
     """
 
     stamp_ns: int
@@ -35,6 +37,8 @@ class KeyframeSnapshot:
     surface: ObservedSurface
     world_frame_id: str = ""
     T_world_camera: NDArray[np.float64] | None = None
+    voxel_count: int | None = None
+    observation_count: int | None = None
 
 
 @dataclass(frozen=True)
@@ -72,12 +76,20 @@ class Scanner:
         scan = self.scan
         return KeyframeSnapshot(
             scan.last_stamp_ns or 0, scan.frame_id, scan.snapshot(), scan.world_frame_id,
-            self._last_pose,
+            self._last_pose, scan.store.observed_count, scan.observation_count,
         )  # fmt: skip
 
     def estimate(self, snapshot: KeyframeSnapshot) -> BrdfEstimate:
         """Estimate from a snapshot; raises :class:`NoEstimate` with the reason."""
-        return self.estimator.estimate(snapshot.surface, snapshot.stamp_ns, snapshot.frame_id)
+        surface = snapshot.surface
+        estimate = self.estimator.estimate(surface, snapshot.stamp_ns, snapshot.frame_id)
+        if snapshot.voxel_count is None or snapshot.observation_count is None:
+            return estimate
+        return replace(
+            estimate,
+            voxel_count=snapshot.voxel_count,
+            observation_count=snapshot.observation_count,
+        )
 
     def restart_clock(self) -> None:
         """Go on with frames of any stamp, as after a clock jump; what was scanned stays."""
