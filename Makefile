@@ -58,8 +58,8 @@ $(VENV)/interfaces.stamp: $(INTERFACES) | $(VENV)/run.stamp
 	touch $@
 
 # Numba keeps what it compiles beside the sources.
-$(VENV)/kernels.stamp: $(wildcard reflest_core/fusion/*.py reflest_core/features/*.py) \
-		| $(VENV)/interfaces.stamp
+$(VENV)/kernels.stamp: reflest_core/jit.py $(foreach stage,capture fusion features features/light \
+		models,$(wildcard reflest_core/$(stage)/*.py)) | $(VENV)/interfaces.stamp
 	$(BIN)/python -m reflest_core.estimation.warm_up
 	touch $@
 
