@@ -87,7 +87,8 @@ def run_live(recording: Recording, bag: str) -> dict[str, Any]:
 def _frame_path_and_peers(
     plan: Plan, capture: str, threads: int, is_table: bool
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    frames = plan.frame_path
+    # A capture of one's own has no region of interest: each of its frames costs much more.
+    frames = plan.frame_path if is_table else plan.peer_frames
     path = measured(
         f"{MEASUREMENTS}.frame_path", threads, capture=capture, frames=frames,
         memory_frames=plan.memory_frames, is_table=is_table, threads=threads,

@@ -15,7 +15,12 @@ OVERLOAD = ("queue_full",)
 
 
 def account(frames: int, diagnostics: Mapping[str, str], latencies: list[float]) -> dict[str, Any]:
-    """``frames``: played, each one message of every role. ``latencies``: seconds."""
+    """What the page says of a live run.
+
+    ``frames``: played, each one message of every role; each is fused, skipped as redundant or lost.
+    Messages are lost to overload on their way or at the queue; what is left of their frames is then
+    refused, as its partners are missing. ``latencies``: seconds.
+    """
     received = {role: _count(diagnostics, f"messages {role}") for role in ROLES}
     refused = {
         name.removeprefix(REFUSED): int(value)
@@ -24,16 +29,18 @@ def account(frames: int, diagnostics: Mapping[str, str], latencies: list[float])
     }
     lost = {"on the way (DDS)": sum(frames - number for number in received.values())}
     lost |= {cause: refused.get(cause, 0) for cause in OVERLOAD}
+    fused, redundant = (_count(diagnostics, f"frames {name}") for name in ("fused", "redundant"))
     timing = Timing.of("estimate latency", latencies) if latencies else None
     return {
         "messages_sent": frames * len(ROLES),
         "messages_received": sum(received.values()),
         "frames_played": frames,
         "frames_matched": _count(diagnostics, "frames matched"),
-        "frames_fused": _count(diagnostics, "frames fused"),
-        "frames_redundant": _count(diagnostics, "frames redundant"),
-        "lost_to_overload": lost,
-        "refused": refused,
+        "frames_fused": fused,
+        "frames_redundant": redundant,
+        "frames_lost": frames - fused - redundant,
+        "messages_lost": lost,
+        "refused": {cause: number for cause, number in refused.items() if cause not in OVERLOAD},
         "keyframes": _count(diagnostics, "keyframes"),
         "keyframes_skipped": _count(diagnostics, "keyframes skipped"),
         "estimates": len(latencies),

@@ -33,7 +33,7 @@ def targets_section(results: dict[str, Any]) -> str:
 def live_section(results: dict[str, Any]) -> str:
     """The bag to the node."""
     live = results["live"]
-    lost = ", ".join(f"{cause}: {count}" for cause, count in live["lost_to_overload"].items())
+    lost = ", ".join(f"{cause}: {count}" for cause, count in live["messages_lost"].items())
     refused = ", ".join(f"{cause}: {count}" for cause, count in live["refused"].items())
     latency = live["latency"] or {}
     rows = [
@@ -42,7 +42,8 @@ def live_section(results: dict[str, Any]) -> str:
         ["frames matched", f"{live['frames_matched']:,}"],
         ["frames fused", f"{live['frames_fused']:,}"],
         ["frames skipped as redundant", f"{live['frames_redundant']:,}"],
-        ["lost to overload", lost],
+        ["frames lost", f"{live['frames_lost']:,}"],
+        ["messages lost to overload", lost],
         ["refused for other reasons", refused or "0"],
         ["keyframes", str(live["keyframes"])],
         ["keyframes skipped for a newer one", str(live["keyframes_skipped"])],
