@@ -25,9 +25,13 @@ WAIT = 30.0
 
 
 class RosPeer:
-    """Listens to estimates and diagnostics; publishes and calls what a test asks for."""
+    """Listens to estimates and diagnostics; publishes and calls what a test asks for.
 
-    def __init__(self, domain_id: int) -> None:
+    ``namespace``: of the node that it is the other side of; "/robot1" or "".
+    """
+
+    def __init__(self, domain_id: int, namespace: str = "") -> None:
+        self._name = f"{namespace}{NODE}"
         self.estimates: list[BrdfEstimate] = []
         self.diagnostics: dict[str, str] = {}
         self.state = ""
@@ -38,7 +42,7 @@ class RosPeer:
         rclpy.init(context=self._context, domain_id=domain_id)
         self._node = rclpy.create_node("peer", context=self._context)
         self._node.create_subscription(
-            BrdfEstimateMessage, "/reflectance/brdf", self._on_estimate, OUTPUT_QOS
+            BrdfEstimateMessage, f"{namespace}/reflectance/brdf", self._on_estimate, OUTPUT_QOS
         )
         self._node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
         self._outputs: dict[str, Publisher] = {}
@@ -101,11 +105,11 @@ class RosPeer:
     def has_service(self, name: str) -> bool:
         """Whether the node offers a service now."""
         known = dict(self._node.get_service_names_and_types())
-        return f"{NODE}/{name}" in known
+        return f"{self._name}/{name}" in known
 
     def call(self, kind: type, name: str, **request: Any) -> Any:
         """Call a service of the node and return its response."""
-        client = self._node.create_client(kind, f"{NODE}/{name}")
+        client = self._node.create_client(kind, f"{self._name}/{name}")
         try:
             assert client.wait_for_service(WAIT), f"no service {name}"
             done = threading.Event()
@@ -134,6 +138,8 @@ class RosPeer:
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         with self._changed:
             (status,) = message.status
+            if not status.name.startswith(f"{self._name}:"):
+                return
             self.diagnostics = {pair.key: pair.value for pair in status.values}
             self.state, self.level = status.message, status.level
             self.node_time = message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
