@@ -22,7 +22,10 @@ class Field:
 
 @dataclass(frozen=True)
 class Section:
-    """A message, a request or a response. ``comment``: what stands above, a blank line between."""
+    """A message, a request or a response. ``comment``: what stands above, a blank line between.
+
+    A copyright statement is no part of it.
+    """
 
     comment: str
     fields: tuple[Field, ...]
@@ -45,7 +48,7 @@ def _section(text: str) -> Section:
         if line.startswith("#"):
             comment.append(line.removeprefix("#").strip())
         elif not line:
-            if not fields:
+            if not fields and not " ".join(comment).startswith("Copyright"):
                 heading += comment
             comment = []
         else:
