@@ -1,84 +1,109 @@
-"""``reflest evaluate``: what the shipped (or given) weights reach on SynBRDF splits."""
+"""``reflest evaluate``: the paper's tables and figures, measured with our weights."""
 
 from __future__ import annotations
 
 import argparse
-import subprocess
 from pathlib import Path
 from typing import Any
 
 from reflest_core.parameter import ParameterError
 
-ALL_MODELS = ("hemicnn", "grouplet-fast", "grouplet-slow")
+ALL_PARTS = ("table-2", "views", "latency", "eight-bit", "baselines", "perception", "quick")
 
 
 def add_parser(subparsers: Any) -> None:
     """Add the subcommand."""
     parser: argparse.ArgumentParser = subparsers.add_parser(
-        "evaluate", help="normalised RMSE of the networks on SynBRDF splits, as JSON and Markdown"
+        "evaluate", help="measure the networks on SynBRDF: tables, plots and pictures"
     )
-    parser.add_argument("data", type=Path, help="folder written by 'reflest synbrdf generate'")
-    parser.add_argument("--out", type=Path, required=True, help="folder for accuracy.{json,md}")
-    parser.add_argument("--model", choices=ALL_MODELS, nargs="+", default=list(ALL_MODELS))
     parser.add_argument(
-        "--also", metavar="MODEL=FILE", nargs="+", default=[], help="rows for other weight files"
+        "data", type=Path, nargs="?", help="folder written by 'reflest synbrdf generate'"
     )
-    parser.add_argument("--split", nargs="+", default=["validation", "unseen"])
+    parser.add_argument(
+        "--quick", action="store_true",
+        help="reproduce one row of Table 2 from what is shipped; needs no data",
+    )  # fmt: skip
+    parser.add_argument("--out", type=Path, help="folder for records, page, plots and pictures")
+    parser.add_argument(
+        "--parts", nargs="*", choices=ALL_PARTS, default=list(ALL_PARTS), metavar="PART",
+        help=f"which to measure, of {', '.join(ALL_PARTS)}; none: write the page alone",
+    )  # fmt: skip
+    parser.add_argument(
+        "--runs", type=Path, help="folder of trained variants; default: the shipped weights"
+    )
+    parser.add_argument(
+        "--environments", type=Path, help="the data set's, to look at materials in unseen ones"
+    )
+    parser.add_argument("--limit", type=int, help="first so many scenes of each split")
+    parser.add_argument(
+        "--optimised", type=int, default=40, help="scenes of the slow baseline; default: 40"
+    )
+    parser.add_argument(
+        "--realism", nargs="*", metavar="EFFECT", help="give scenes the faults of a real capture"
+    )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Evaluate every model on every split and write the report."""
-    from tqdm import tqdm
+    """Measure the parts, one after another, and write the page."""
+    if arguments.quick:
+        return _run_quick()
+    if arguments.data is None or arguments.out is None:
+        raise ParameterError("reflest evaluate needs DATA and --out, or --quick")
+    from reflest_core.evaluation.page import write_page
+    from reflest_core.evaluation.study import Study, StudySettings
 
-    from reflest_core.models.predictor import Predictor
-    from reflest_core.training.evaluation import evaluate, guess_the_mean
-    from reflest_core.training.report import write_report
-    from reflest_core.training.sample import load_samples
-    from reflest_core.training.scatter_plot import draw_scatter
-
-    predictors = {}
-    for model in arguments.model:
-        predictor = Predictor(model)
-        predictors[predictor.model_id] = predictor
-    for model, file in map(_model_and_file, arguments.also):
-        predictors[f"{model} ({file.stem})"] = Predictor(model, file)
-    evaluations = []
-    for split in arguments.split:
-        samples = load_samples(arguments.data, split)
-        evaluations.append(guess_the_mean(next(iter(predictors.values())), samples, split))
-        for name, predictor in predictors.items():
-            with tqdm(total=len(samples), desc=f"{name} on {split}") as bar:
-                evaluations.append(evaluate(predictor, samples, split, bar.update, name))
-    provenance = {
-        "command": f"reflest evaluate DATA --out {arguments.out}",
-        "commit": _commit(),
-        "data": _describe(arguments.data),
-    }
-    write_report(arguments.out, evaluations, provenance)
-    draw_scatter(arguments.out / "accuracy.png", evaluations)
-    print(arguments.out / "accuracy.md")
+    settings = StudySettings(
+        arguments.data,
+        arguments.out,
+        _command(arguments),
+        arguments.runs,
+        arguments.environments,
+        arguments.limit,
+        arguments.optimised,
+        _degradation(arguments),
+    )
+    study = Study(settings)
+    for part in ALL_PARTS:
+        if part in arguments.parts:
+            print(f"measuring {part}", flush=True)
+            study.run(part)
+    print(write_page(arguments.out))
     return 0
 
 
-def _model_and_file(given: str) -> tuple[str, Path]:
-    model, _, file = given.partition("=")
-    if model not in ALL_MODELS or not file:
-        raise ParameterError(f"--also {given}: give MODEL=FILE with one of {', '.join(ALL_MODELS)}")
-    return model, Path(file)
+def _run_quick() -> int:
+    from reflest_core.evaluation.quick_check import reproduce_row
+
+    row = reproduce_row()
+    measured = row.accuracy.ward
+    print(
+        f"{row.title}, {row.accuracy.scenes} validation scenes: normalised RMSE "
+        f"{measured.overall:.3f} (Table 2: {row.recorded:.3f}), scene mean "
+        f"{measured.scene_mean:.3f}, median {measured.scene_median:.3f}, p95 "
+        f"{measured.scene_p95:.3f}"
+    )
+    return 0
 
 
-def _commit() -> str:
-    """The checkout's commit, or where the package came from if it is none."""
-    command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "--short", "HEAD"]
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
-    return result.stdout.strip() or "unknown (not a git checkout)"
+def _command(arguments: argparse.Namespace) -> str:
+    """The command without this machine's folders."""
+    words = ["reflest evaluate DATA --out docs/results"]
+    if arguments.runs:
+        words.append("--runs RUNS")
+    if arguments.environments:
+        words.append("--environments ENVIRONMENTS")
+    if arguments.limit:
+        words.append(f"--limit {arguments.limit}")
+    if arguments.realism is not None:
+        words.append(" ".join(["--realism", *arguments.realism]))
+    return " ".join(words)
 
 
-def _describe(data: Path) -> str:
-    """The manifest's own command or seed."""
-    import json
+def _degradation(arguments: argparse.Namespace) -> Any:
+    if arguments.realism is None:
+        return None
+    from reflest_core.synbrdf.realism.settings import Realism, parse_effects
+    from reflest_core.training.sample import Degradation
 
-    manifest = json.loads((data / "manifest.json").read_text())
-    environments, meshes = len(manifest["environments"]), len(manifest["meshes"])
-    return f"SynBRDF seed {manifest['seed']}, {environments} environments, {meshes} meshes"
+    return Degradation(Realism.only(parse_effects(arguments.realism or ["all"])), seed=1)

@@ -1,0 +1,87 @@
+"""``index.md``: all records as one page with plots; parts that were not measured are left out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from reflest_core.evaluation import sections
+from reflest_core.evaluation.contenders import EvaluationError
+from reflest_core.evaluation.plots import draw_accuracy, draw_scatter, draw_views
+from reflest_core.evaluation.record_file import read_record
+from reflest_core.evaluation.sections import Lines, Record
+
+SECTIONS: dict[str, Callable[[Record], Lines]] = {
+    "table-2": sections.table_2,
+    "table-3": sections.table_3,
+    "views": sections.views,
+    "latency": sections.latency,
+    "eight-bit": sections.eight_bit,
+    "baselines": sections.baselines,
+    "perception": sections.perception,
+    "quick": sections.quick,
+}
+
+INTRODUCTION = [
+    "# Results on SynBRDF",
+    "",
+    "Errors are normalised RMSE: every parameter z-scored with the training set's mean and",
+    "standard deviation; 1.0 is about what guessing the mean costs. `RMSE` is the root mean square",
+    "over scenes and parameters; `scene mean`, `median` and `p95` are of each scene's own RMSE.",
+    "The *unseen* split's environments and shapes appear in no scene that a network was trained",
+    "or chosen on. 95 % intervals are bootstrapped over scenes, or over environments (scenes under",
+    "one of them err alike). The paper's figures (Kim et al. 2017, Tables 2 and 3, section 3.3) are",
+    "of its own data set. `reflest evaluate` writes this page from the JSON files beside it.",
+    "",
+]
+
+
+def write_page(folder: Path) -> Path:
+    """Write ``index.md`` and its plots into ``folder`` from the records there."""
+    records = {name: read_record(folder / f"{name}.json") for name in SECTIONS}
+    measured = {name: record for name, record in records.items() if record is not None}
+    if not measured:
+        raise EvaluationError(f"{folder} holds no records; run 'reflest evaluate DATA' first")
+    lines = list(INTRODUCTION)
+    for name, record in measured.items():
+        section = SECTIONS[name](record)
+        if name == "table-2":
+            section += _draw_table_2(folder, record)
+        if name == "views":
+            draw_views(folder / "views.png", record)
+        lines += section
+    path = folder / "index.md"
+    path.write_text("\n".join(lines + _commands(measured)) + "\n")
+    return path
+
+
+def _draw_table_2(folder: Path, record: Record) -> Lines:
+    draw_accuracy(folder / "accuracy.png", record)
+    lines = ["![RMSE of the variants](accuracy.png)", ""]
+    estimates = read_record(folder / "estimates.json")
+    if estimates is not None:
+        rows = [row for row in record["rows"] if row["split"] == "validation"]
+        best = min(rows, key=lambda row: row["accuracy"]["ward"]["overall"])["variant"]
+        draw_scatter(folder / "scatter.png", estimates, best)
+        lines += [
+            "Estimates against truths of the variant that is best on validation:",
+            "",
+            "![Estimates against truths](scatter.png)",
+            "",
+        ]
+    return lines
+
+
+def _commands(measured: dict[str, Record]) -> Lines:
+    lines = ["## How these figures were made", ""]
+    for name, record in measured.items():
+        made = record["provenance"]
+        lines.append(
+            f"- {name}: `{made['command']} --parts {_part(name)}` at commit `{made['commit']}`; "
+            f"{made['data']}"
+        )
+    return lines
+
+
+def _part(name: str) -> str:
+    return "table-2" if name == "table-3" else name

@@ -1,0 +1,83 @@
+"""Measured figures as JSON files, each with the command, commit and data that it came from."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from reflest_core.evaluation.contenders import EvaluationError
+from reflest_core.synbrdf.scene_file import MANIFEST
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """How a record was made: ``command``, the checkout's ``commit``, and the data set."""
+
+    command: str
+    commit: str
+    data: str
+
+
+def provenance_of(command: str, data: Path) -> Provenance:
+    """Of this checkout and the data set in the folder ``data``."""
+    return Provenance(command, _commit(), _describe(data))
+
+
+def write_record(path: Path, provenance: Provenance, figures: dict[str, Any]) -> None:
+    """Write atomically."""
+    record = {"provenance": dataclasses.asdict(provenance), **figures}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_suffix(".partial")
+    temporary.write_text(json.dumps(record, indent=1, default=_plain) + "\n")
+    os.replace(temporary, path)
+
+
+def read_record(path: Path) -> dict[str, Any] | None:
+    """The record, or None where there is no such file."""
+    if not path.exists():
+        return None
+    try:
+        record: dict[str, Any] = json.loads(path.read_text())
+    except ValueError as error:
+        raise EvaluationError(f"{path} is damaged ({error}); delete it and run again") from error
+    return record
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return dataclasses.asdict(value)
+    raise TypeError(f"{type(value).__name__} has no JSON form")
+
+
+def _commit() -> str:
+    """The checkout's commit, marked if files of the package differ from it."""
+    here = str(Path(__file__).parents[1])
+
+    def git(*arguments: str) -> str:
+        command = ["git", "-C", here, *arguments]
+        return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
+
+    commit = git("rev-parse", "--short", "HEAD")
+    if not commit:
+        return "unknown (not a git checkout)"
+    return commit + (" with changes" if git("status", "--porcelain", "--", here) else "")
+
+
+def _describe(data: Path) -> str:
+    path = data / MANIFEST
+    try:
+        manifest = json.loads(path.read_text())
+        environments, meshes = len(manifest["environments"]), len(manifest["meshes"])
+        seed = manifest["seed"]
+    except (OSError, ValueError, KeyError) as error:
+        raise EvaluationError(f"{path} is not a data set's manifest ({error!r})") from error
+    return f"SynBRDF seed {seed}, {environments} environments, {meshes} meshes"

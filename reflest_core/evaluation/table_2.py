@@ -1,0 +1,89 @@
+"""Table 2 and Table 3: the variants on validation and on unseen scenes, and on ten materials."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.evaluation.accuracy import Accuracy, accuracy, scene_errors
+from reflest_core.evaluation.contenders import Contender
+from reflest_core.evaluation.estimates import estimate_all
+from reflest_core.evaluation.paper_figures import MATERIALS, TABLES_2_AND_3
+from reflest_core.training.sample import Sample
+
+MATERIAL_SEED = 3
+"""Draws Table 3's ten scenes from the validation split."""
+
+Estimates = dict[str, dict[str, NDArray[np.float64]]]
+"""By split and variant: (S, 5) Ward estimates."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One variant on one split, beside the paper's figures for it."""
+
+    variant: str
+    title: str
+    model_id: str
+    split: str
+    accuracy: Accuracy
+    paper_rmse: float | None
+    paper_rank: int | None
+
+
+def measure_table_2(
+    contenders: list[Contender], splits: dict[str, list[Sample]]
+) -> tuple[list[Row], Estimates]:
+    """Every contender on every split."""
+    rows: list[Row] = []
+    estimates: Estimates = {split: {} for split in splits}
+    for contender in contenders:
+        predictor = contender.predictor()
+        paper = TABLES_2_AND_3[contender.name]
+        for split, samples in splits.items():
+            made = estimate_all(predictor, samples, f"{contender.name} on {split}")
+            estimates[split][contender.name] = made
+            is_theirs = split == "validation"
+            rows.append(
+                Row(
+                    contender.name,
+                    contender.variant.title,
+                    predictor.model_id,
+                    split,
+                    accuracy(made, samples, predictor.card.statistics),
+                    paper.rmse if is_theirs else None,
+                    paper.rank if is_theirs else None,
+                )
+            )
+    return rows, estimates
+
+
+def measure_table_3(
+    contenders: list[Contender], samples: list[Sample], estimates: dict[str, NDArray[np.float64]]
+) -> dict[str, Any]:
+    """RMSE of ten validation scenes, drawn by seed, beside the paper's ten (other scenes)."""
+    count = min(len(MATERIALS), len(samples))
+    drawn = np.random.default_rng(MATERIAL_SEED).permutation(len(samples))[:count]
+    rows = []
+    for contender in contenders:
+        errors = scene_errors(
+            estimates[contender.name], samples, contender.predictor().card.statistics
+        )
+        rows.append(
+            {
+                "variant": contender.name,
+                "title": contender.variant.title,
+                "errors": errors[drawn].tolist(),
+                "average": float(errors.mean()),
+                "paper": dataclasses.asdict(TABLES_2_AND_3[contender.name]),
+            }
+        )
+    return {
+        "materials": [f"v{samples[index].index}" for index in drawn],
+        "wards": [samples[index].ward.tolist() for index in drawn],
+        "rows": rows,
+    }

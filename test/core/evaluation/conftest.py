@@ -1,0 +1,32 @@
+"""A tiny data set and three variants trained on it for a moment."""
+
+import pytest
+import torch
+
+from reflest_core.cli.main import main
+from test.core.training.scenes import write_synbrdf
+
+TRAINED = ("grouplet-rmse1", "hemicnn-rmse1", "hemicnn-rmse2")
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _one_thread():
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(threads)
+
+
+@pytest.fixture(scope="session")
+def data(tmp_path_factory):
+    return write_synbrdf(tmp_path_factory.mktemp("data"), train=12, validation=6, unseen=4)
+
+
+@pytest.fixture(scope="session")
+def runs(data, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("runs")
+    for name in TRAINED:
+        how = ["--minibatches", "8", "--batch-size", "4", "--voxels", "8", "--threads", "1"]
+        out = ["--variant", name, "--out", str(folder / name), "--device", "cpu"]
+        assert main(["train", str(data), *out, *how]) == 0
+    return folder

@@ -1,0 +1,160 @@
+"""``reflest evaluate`` measures every part and writes a page that holds the records' figures."""
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+
+from reflest_core.cli.main import main
+from reflest_core.evaluation import quick_check, quick_set, single_image, study, swatches
+from reflest_core.evaluation.contenders import EvaluationError
+from reflest_core.evaluation.paper_figures import TABLES_2_AND_3
+from reflest_core.evaluation.quick_set import load_quick_set
+from reflest_core.models.predictor import Predictor
+from reflest_core.training.sample import load_samples
+from test.core.evaluation.conftest import TRAINED
+
+
+@pytest.fixture(scope="module")
+def out(data, runs, tmp_path_factory):
+    """The records and page of one evaluation of everything but the quick set."""
+    folder = tmp_path_factory.mktemp("results")
+    effort = single_image.Effort(steps=3, starts=(0.1,))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(single_image, "Effort", lambda: effort)
+        patch.setattr(swatches, "ALPHAS", np.geomspace(0.001, 0.5, 3))
+        patch.setattr(swatches, "STRATA", 2)
+        parts = [part for part in study.PARTS if part != "quick"]
+        options = ["--out", str(folder), "--runs", str(runs), "--optimised", "2"]
+        assert main(["evaluate", str(data), *options, "--parts", *parts]) == 0
+    return folder
+
+
+def read(out, name):
+    return json.loads((out / f"{name}.json").read_text())
+
+
+def test_table_2_holds_what_the_network_reaches(out, runs, data):
+    rows = read(out, "table-2")["rows"]
+    assert {(row["variant"], row["split"]) for row in rows} == {
+        (name, split) for name in TRAINED for split in ("validation", "unseen")
+    }
+    row = next(r for r in rows if (r["variant"], r["split"]) == ("hemicnn-rmse2", "validation"))
+    predictor = Predictor("hemicnn", runs / "hemicnn-rmse2" / "hemicnn-rmse2.safetensors")
+    samples = load_samples(data, "validation")
+    statistics = predictor.card.statistics["ward"]
+    made = np.array(read(out, "estimates")["validation"]["hemicnn-rmse2"])
+    errors = (made - np.stack([s.ward for s in samples])) / statistics.stddev
+    assert row["accuracy"]["ward"]["overall"] == pytest.approx(
+        np.sqrt((errors**2).mean()), abs=1e-4
+    )
+    interval = row["accuracy"]["over_scenes"]
+    assert interval["low"] < row["accuracy"]["ward"]["overall"] < interval["high"]
+    assert row["accuracy"]["environments"] == 2
+    assert row["paper_rmse"] == 0.564
+    assert row["paper_rank"] == 3
+    assert row["model_id"] == predictor.model_id
+
+
+def test_every_figure_of_the_page_comes_from_a_record(out):
+    page = (out / "index.md").read_text()
+    for row in read(out, "table-2")["rows"]:
+        assert f"{row['accuracy']['ward']['overall']:.3f}" in page
+    for row in read(out, "table-3")["rows"]:
+        assert all(f"{error:.3f}" in page for error in row["errors"])
+    for curve in read(out, "views")["curves"]:
+        assert all(f"{error:.3f}" in page for error in curve["rmse"])
+    for row in read(out, "baselines")["rows"]:
+        assert f"{row['accuracy']['ward']['overall']:.3f}" in page
+    for row in read(out, "perception")["rows"]:
+        assert f"{row['flip']:.3f}" in page
+    for row in read(out, "eight-bit")["rows"]:
+        assert f"{row['eight_bit']:.4f}" in page
+    assert "`reflest evaluate DATA --out docs/results --runs RUNS --parts table-2`" in page
+
+
+def test_pictures_and_plots_are_drawn(out):
+    for name in ("accuracy", "scatter", "views", "contact-sheet"):
+        assert cv2.imread(str(out / f"{name}.png")).std() > 5, name
+
+
+def test_networks_that_are_untrained_are_left_out_and_others_measured(out):
+    assert {row["variant"] for row in read(out, "perception")["rows"]} == set(TRAINED)
+    names = {curve["network"] for curve in read(out, "views")["curves"]}
+    assert names == {"HemiCNN", "Grouplet-fast", "Grouplet-slow"}
+    assert {row["model"] for row in read(out, "latency")["rows"]} == {
+        "hemicnn", "grouplet-fast", "grouplet-slow",
+    }  # fmt: skip
+    assert {row["variant"] for row in read(out, "eight-bit")["rows"]} == set(TRAINED)
+
+
+def test_baselines_share_their_scenes(out):
+    rows = read(out, "baselines")["rows"]
+    small = [row for row in rows if row["accuracy"]["scenes"] == 2]
+    assert {row["name"] for row in small if row["split"] == "unseen"} >= {
+        "guessing the mean", "Lambertian from F and B", "one image, optimised",
+    }  # fmt: skip
+    assert all(row["median_seconds"] > 0 for row in rows)
+
+
+def test_the_page_can_be_written_again_alone(out, data):
+    before = (out / "index.md").read_text()
+    assert main(["evaluate", str(data), "--out", str(out), "--parts"]) == 0
+    assert (out / "index.md").read_text() == before
+
+
+def test_the_quick_set_repeats_estimates_bit_for_bit(data, runs, tmp_path):
+    samples = load_samples(data, "validation")
+    path = tmp_path / "validation.safetensors"
+    quick_set.save_quick_set(path, samples)
+    small = load_quick_set(path)
+    predictor = Predictor("hemicnn", runs / "hemicnn-rmse1" / "hemicnn-rmse1.safetensors")
+    assert sum(s.surface.voxel_count for s in small) == 25 * len(samples)
+    for kept, whole in zip(small, samples, strict=True):
+        expected = predictor.predict(whole.surface).ward
+        np.testing.assert_array_equal(predictor.predict(kept.surface).ward, expected)
+        np.testing.assert_array_equal(kept.ward, whole.ward)
+        assert kept.environment == whole.environment
+
+
+def test_a_damaged_quick_set_is_named(tmp_path):
+    path = tmp_path / "validation.safetensors"
+    path.write_bytes(b"nothing")
+    with pytest.raises(EvaluationError, match=r"validation\.safetensors is damaged"):
+        load_quick_set(path)
+
+
+def test_a_row_that_is_not_reproduced_is_an_error(data, tmp_path):
+    path, expected = tmp_path / "validation.safetensors", tmp_path / "expected.json"
+    quick_set.save_quick_set(path, load_samples(data, "validation"))
+    contender = quick_check.find_contenders(None)
+    shipped = next(c for c in contender if c.name == quick_set.VARIANT)
+    quick_check.write_expected(shipped, path)
+    row = quick_check.reproduce_row(path, expected)
+    assert row.accuracy.ward.overall == row.recorded
+    record = json.loads(expected.read_text())
+    expected.write_text(json.dumps({**record, "rmse": record["rmse"] + 0.01}))
+    with pytest.raises(EvaluationError, match="does not estimate as it did"):
+        quick_check.reproduce_row(path, expected)
+    expected.write_text(json.dumps({**record, "model_id": "hemicnn/0"}))
+    with pytest.raises(EvaluationError, match="Table 2 was measured with hemicnn/0"):
+        quick_check.reproduce_row(path, expected)
+
+
+def test_what_is_missing_is_said_in_one_sentence(data, tmp_path, capsys):
+    assert main(["evaluate"]) == 2
+    assert "needs DATA and --out, or --quick" in capsys.readouterr().err
+    out = ["--out", str(tmp_path)]
+    assert main(["evaluate", str(data), *out, "--runs", str(tmp_path), "--parts", "views"]) == 2
+    assert "holds no weights of a variant of Table 2" in capsys.readouterr().err
+    assert main(["evaluate", str(data), *out, "--parts", "perception"]) == 2
+    assert "run --parts table-2 first" in capsys.readouterr().err
+    assert main(["evaluate", str(data), *out, "--parts"]) == 2
+    assert "holds no records" in capsys.readouterr().err
+
+
+def test_the_papers_rows_average_as_the_paper_says_where_they_can():
+    assert len(TABLES_2_AND_3) == 7
+    assert sorted(row.rank for row in TABLES_2_AND_3.values()) == [1, 2, 3, 4, 5, 6, 7]
+    assert all(len(row.materials) == 10 for row in TABLES_2_AND_3.values())
