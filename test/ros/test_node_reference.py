@@ -66,8 +66,8 @@ def test_a_diagnostic_that_nobody_described_is_an_error():
 def test_an_interface_file_is_read_with_its_comments(tmp_path):
     path = tmp_path / "Scan.srv"
     path.write_text(
-        "# Copyright us\n# SPDX: x\n\n# What it is\n# for.\n\n# Which.\nstring<=8 name\n---\n# None.\n"
-        "uint8 NONE=0\n# How many.\n# Range: all.\nuint8 count\n"
+        "# Copyright us\n# SPDX: x\n\n# What it is\n# for.\n\n# Which.\nstring<=8 name\n---\n"
+        "# None.\nuint8 NONE=0\n# How many.\n# Range: all.\nuint8 count\n"
     )
     request, response = read_interface(path)
     assert (request.comment, response.comment) == ("What it is for.", "")
