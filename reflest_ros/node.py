@@ -15,7 +15,11 @@ from reflest_core.errors import ReflestError
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_ros.diagnostics import Diagnostics
 from reflest_ros.node_name import NODE_NAME
-from reflest_ros.parameters import declare_parameters, guard_parameters
+from reflest_ros.parameters import (
+    declare_parameters,
+    guard_parameters,
+    warn_of_unknown_parameters,
+)
 from reflest_ros.pause_services import PauseServices
 from reflest_ros.scan_session import ScanSession
 
@@ -32,6 +36,7 @@ class EstimatorNode(LifecycleNode):
         self._session: ScanSession | None = None
         self._failure: ReflestError | None = None
         self._node_settings, self._settings = declare_parameters(self)
+        warn_of_unknown_parameters(self)
         guard_parameters(self, self._apply)
         PauseServices(self, self._is_active, lambda: self._failure)
         self._diagnostics = Diagnostics(self, self._node_settings.input, self._settings.fusion)

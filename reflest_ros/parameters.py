@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import difflib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -24,6 +25,9 @@ from reflest_ros.settings import NodeSettings
 
 LIVE_GROUPS = ("preview", "voxels", "markers", "region", "keyframe", "estimation")
 """Groups whose parameters may change while the node runs; the rest is structural."""
+
+QOS_OVERRIDES = "qos_overrides."
+"""Parameters that appear with the subscription that they are for."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +67,18 @@ def declare_parameters(node: Node) -> tuple[NodeSettings, ReflestSettings]:
         except (InvalidParameterValueException, InvalidParameterTypeException) as error:
             raise ParameterError(str(error)) from error
     return _settings_from({p.name: node.get_parameter(p.name).value for p in all_parameters()})
+
+
+def warn_of_unknown_parameters(node: Node) -> None:
+    """Name what was set at the start and is no parameter, for ROS passes over it in silence."""
+    known = [parameter.name for parameter in all_parameters()]
+    # rclpy tells of these nowhere else.
+    for name in node._parameter_overrides:
+        if node.has_parameter(name) or name.startswith(QOS_OVERRIDES):
+            continue
+        close = difflib.get_close_matches(name, known, 1)
+        meant = f": is {close[0]} meant?" if close else ""
+        node.get_logger().warning(f"{name} is no parameter and has no effect{meant}")
 
 
 def guard_parameters(node: Node, apply: Callable[[ReflestSettings], None]) -> None:

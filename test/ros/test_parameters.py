@@ -78,6 +78,7 @@ def test_a_bad_start_ends_with_one_sentence(start):
         "fusion.voxel_size:=fine": "fusion.voxel_size",
         "estimation.weights:=/no/such/weights": "/no/such/weights",
         "region.size:=[1.0, 1.0]": "region.size needs 3 numbers",
+        "autosave.path:=/no/such/folder/scan": "/no/such/folder",
     }
     processes = {
         override: start("reflest_ros.estimator", "--ros-args", "-p", override)
@@ -88,6 +89,17 @@ def test_a_bad_start_ends_with_one_sentence(start):
         assert sentences[override] in process.output
         assert len(process.lines_with("error:")) == 1
         assert "Traceback" not in process.output
+
+
+def test_a_parameter_that_does_not_exist_is_named(start):
+    process = start(
+        "reflest_ros.estimator", "--ros-args", "-p", "lifecycle.autostart:=false",
+        "-p", "fusion.voxelsize:=0.01", "-p", "qos_overrides./x.subscription.depth:=1",
+    )  # fmt: skip
+    process.wait_for_line("waiting to be configured")
+    (warning,) = process.lines_with("is no parameter")
+    assert "fusion.voxelsize" in warning
+    assert "fusion.voxel_size" in warning
 
 
 def test_every_group_is_in_the_file():
