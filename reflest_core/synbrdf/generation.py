@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from reflest_core.synbrdf.environments import EnvironmentSource, find_environments, procedural_skies
+from reflest_core.synbrdf.metering import Metering
 from reflest_core.synbrdf.realism.settings import Realism
 from reflest_core.synbrdf.scene import Lighting, Scene, draw_scene
 from reflest_core.synbrdf.scene_file import FORMAT
@@ -29,7 +30,8 @@ class Generation:
     """What ``reflest synbrdf generate`` was asked for; with the code it decides every byte.
 
     ``without``: environments that neither train nor validation uses, kept to develop on.
-    ``realism``: the faults of real captures; None for perfect cameras and surfaces.
+    ``realism``: the faults of real captures; None for perfect cameras and surfaces. ``metering``:
+    what the camera exposes for.
     """
 
     seed: int
@@ -42,6 +44,7 @@ class Generation:
     lighting: Lighting = Lighting.NATURAL
     without: tuple[str, ...] = ()
     realism: Realism | None = None
+    metering: Metering = Metering.FRAME
 
     def sources(self, split: Split) -> Sources:
         """The environments and meshes of one split."""
@@ -66,6 +69,7 @@ class Generation:
             "lighting": self.lighting.value,
             "without": sorted(self.without),
             "realism": None if self.realism is None else dataclasses.asdict(self.realism),
+            "metering": self.metering.value,
             "environments": [source.name for source in self._environments()],
             "meshes": [source.name for source in self._meshes()],
             "versions": {name: version(name) for name in PACKAGES},

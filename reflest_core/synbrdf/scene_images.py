@@ -5,6 +5,7 @@ Importing this module loads Mitsuba.
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from reflest_core.synbrdf.exposure import expose
 from reflest_core.synbrdf.full_image import FullImage, FullImageRenderer
 from reflest_core.synbrdf.generation import Generation
 from reflest_core.synbrdf.image_files import write_depth, write_exr, write_mask, write_rgb
+from reflest_core.synbrdf.metering import Metering, object_exposure
 from reflest_core.synbrdf.realism.camera_faults import CameraFaults, draw_camera_faults
 from reflest_core.synbrdf.realism.settings import LOSSLESS, Effect, streams
 from reflest_core.synbrdf.realism.view_images import meter
@@ -60,7 +62,7 @@ class SceneImages:
         """
         folder = out / f"{split.value}-{index:05d}"
         scene = self.generation.scene(split, index)
-        overview = self.sparse.overview(scene, self.generation.seed)
+        overview = self.overview(scene)
         card = json.dumps(self._card(scene, overview, views), indent=1) + "\n"
         if folder.exists():
             if _text(folder / SCENE) != card:
@@ -77,6 +79,13 @@ class SceneImages:
                 self._write_frame(unfinished, view, image, scene, overview, faults, noise)
             (unfinished / SCENE).write_text(card)
         return folder
+
+    def overview(self, scene: Scene) -> Overview:
+        """The scene in Mitsuba, with the exposure that its sparse scene has."""
+        overview = self.sparse.overview(scene, self.generation.seed)
+        if self.generation.metering is Metering.FRAME:
+            return overview
+        return dataclasses.replace(overview, exposure=object_exposure(overview.thumbnails))
 
     def render(self, scene: Scene, overview: Overview, view: int) -> FullImage:
         """The full image of one view."""

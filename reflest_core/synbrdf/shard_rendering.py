@@ -7,6 +7,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from reflest_core.synbrdf.generation import Generation, ShardTask
+from reflest_core.synbrdf.metering import remetered
 from reflest_core.synbrdf.realism.degrade import degrade
 from reflest_core.synbrdf.scene_file import shard_bytes
 from reflest_core.synbrdf.seeding import Purpose, generator
@@ -26,6 +27,7 @@ def render_shard(generation: Generation, task: ShardTask) -> bytes:
         with _renderer_in_use:
             renderer = _renderer(generation.points, generation.views, generation.samples)
             seen = renderer.render(scene, generation.seed)
+        seen = remetered(seen, generation.metering)
         if generation.realism is not None:
             rng = generator(generation.seed, task.split, index, Purpose.REALISM)
             seen = degrade(seen, generation.realism, rng)

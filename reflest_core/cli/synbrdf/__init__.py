@@ -6,7 +6,7 @@ import argparse
 import importlib
 from typing import Any
 
-PRODUCTS = ("generate", "images", "xml", "render", "sequence")
+PRODUCTS = ("generate", "images", "xml", "render", "sequence", "measure", "card")
 
 
 def add_parser(subparsers: Any) -> None:

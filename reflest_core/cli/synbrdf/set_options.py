@@ -28,6 +28,10 @@ def add_set_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--without", nargs="*", default=[], metavar="NAME", help="environments to leave out"
     )
+    parser.add_argument(
+        "--metering", choices=("frame", "object"), default="frame",
+        help="what the camera exposes for; frame lets objects in dark rooms clip",
+    )  # fmt: skip
     add_realism_option(parser)
 
 
@@ -54,6 +58,7 @@ def generation_of(
 ) -> Generation:
     """The data set that the options name."""
     from reflest_core.synbrdf.generation import Generation
+    from reflest_core.synbrdf.metering import Metering
     from reflest_core.synbrdf.scene import Lighting
 
     return Generation(
@@ -67,6 +72,7 @@ def generation_of(
         Lighting(arguments.lighting),
         tuple(arguments.without),
         realism_of(arguments),
+        Metering(arguments.metering),
     )
 
 

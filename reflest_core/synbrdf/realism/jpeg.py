@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from reflest_core.synbrdf.realism.settings import LOSSLESS, Realism
 
 BEST_QUALITY = 95
-LUMA_ERROR = (0.9, 0.022)
-"""8-bit levels at quality 95, and more for each step of quality below."""
-CHROMA_ERROR = (1.0, 0.03)
+MEASURED_QUALITIES = (60, 70, 80, 90, 95)
+LUMA_ERROR = (4.8, 4.3, 3.5, 2.3, 1.4)
+"""8-bit levels, stddev over objects' pixels (``reflest synbrdf measure jpeg``)."""
+CHROMA_ERROR = (3.2, 3.0, 2.7, 2.4, 2.1)
 
 
 def draw_quality(realism: Realism, rng: np.random.Generator) -> int:
@@ -34,10 +35,9 @@ def compression_error(count: int, quality: int, rng: np.random.Generator) -> NDA
 
     Independent normal errors of Y, Cb and Cr whose stddev was measured on rendered images.
     """
-    below = BEST_QUALITY - quality
-    stddev = np.array(
-        [base + slope * below for base, slope in (LUMA_ERROR, CHROMA_ERROR, CHROMA_ERROR)],
-        np.float32,
+    luma, chroma = (
+        np.interp(quality, MEASURED_QUALITIES, error) for error in (LUMA_ERROR, CHROMA_ERROR)
     )
+    stddev = np.array([luma, chroma, chroma], np.float32)
     y, cb, cr = (stddev * rng.standard_normal((count, 3), np.float32)).T
     return np.stack([y + 1.402 * cr, y - 0.344136 * cb - 0.714136 * cr, y + 1.772 * cb], axis=1)

@@ -13,6 +13,8 @@ from reflest_core.errors import ReflestError
 
 LOSSLESS = 100
 """A JPEG quality that leaves an image as it is."""
+LOWEST_QUALITY = 60
+"""Lower ones were not measured."""
 
 
 class RealismError(ReflestError):
@@ -55,16 +57,17 @@ class Realism:
     depth_holes: float = 1.0
     pose_translation: float = 0.003
     pose_rotation: float = 0.3
-    normal_noise: float = 1.0
+    normal_noise: float = 1.5
 
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if not 0.0 <= value < np.inf:
                 raise RealismError(f"realism's {field.name} is {value}, but must be 0 or more")
-        if not 10 <= self.jpeg_quality <= LOSSLESS:
+        if not LOWEST_QUALITY <= self.jpeg_quality <= LOSSLESS:
             raise RealismError(
-                f"realism's jpeg_quality is {self.jpeg_quality}, but must be 10 to {LOSSLESS}"
+                f"realism's jpeg_quality is {self.jpeg_quality}, but must be {LOWEST_QUALITY} to "
+                f"{LOSSLESS}"
             )
 
     @classmethod

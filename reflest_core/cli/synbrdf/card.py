@@ -1,0 +1,54 @@
+"""``reflest synbrdf card``: the data card's pictures and numbers."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from reflest_core.cli.synbrdf.set_options import add_set_options, generation_of
+
+SPLITS = ("train", "validation", "unseen")
+ROWS, COLUMNS = 8, 12
+QUALITY = 85
+
+
+def add_parser(products: Any) -> None:
+    """Add the subcommand."""
+    parser: argparse.ArgumentParser = products.add_parser(
+        "card", help="the data card: histograms and numbers of a set, and a contact sheet"
+    )
+    parser.add_argument("--out", type=Path, required=True, help="folder")
+    parser.add_argument(
+        "--data", type=Path, help="a generated set, for histograms and numbers; needs matplotlib"
+    )
+    parser.add_argument(
+        "--contact-sheet", choices=SPLITS, help="render the first views of scenes of this split"
+    )
+    add_set_options(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write what was asked for."""
+    from reflest_core.synbrdf.card.summary import summarise
+
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    if arguments.data is not None:
+        from reflest_core.synbrdf.card.histograms import draw_captures, draw_materials
+        from reflest_core.synbrdf.card.numbers import clipping, table
+
+        scenes = summarise(arguments.data, SPLITS)
+        draw_materials(scenes, arguments.out / "materials.png")
+        draw_captures(scenes, arguments.out / "captures.png")
+        text = f"# SynBRDF in numbers\n\n{table(scenes)}\nClipping: {clipping(scenes)}"
+        (arguments.out / "numbers.md").write_text(text)
+    if arguments.contact_sheet is not None:
+        from reflest_core.synbrdf.card.contact_sheet import contact_sheet
+        from reflest_core.synbrdf.image_files import write_rgb
+        from reflest_core.synbrdf.splits import Split
+
+        split = Split(arguments.contact_sheet)
+        sheet = contact_sheet(generation_of(arguments), split, ROWS, COLUMNS)
+        write_rgb(arguments.out / f"contact-sheet-{split.value}.jpg", sheet, QUALITY)
+    return 0

@@ -1,0 +1,1 @@
+"""The data card's figures and pictures, made from a generated set."""

@@ -1,0 +1,70 @@
+"""One line about each scene of a generated set."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from reflest_core.brdf.gloss import to_labcd
+from reflest_core.brdf.lab import luminance
+from reflest_core.synbrdf.scene_file import SceneFileError, SynbrdfScene, load_scenes
+
+FULL_SCALE = 255
+
+
+@dataclass(frozen=True)
+class SceneSummary:
+    """Truth and capture of one scene.
+
+    ``rho_d``: linear sRGB, ``luminance`` its Rec. 709. ``clipped``: share of observations with a
+    channel at 255. ``observations``: a point, on average. ``diameter``, ``distance``: metres.
+    ``on_object``: share of a view's pixels.
+    """
+
+    split: str
+    shape: str
+    environment: str
+    view_pattern: str
+    rho_d: tuple[float, float, float]
+    luminance: float
+    rho_s: float
+    alpha: float
+    contrast: float
+    exposure: float
+    clipped: float
+    observations: float
+    diameter: float
+    distance: float
+    on_object: float
+
+    @classmethod
+    def of(cls, scene: SynbrdfScene) -> SceneSummary:
+        """Summarise one scene."""
+        surface, truth = scene.surface, scene.truth
+        return cls(
+            split=scene.split,
+            shape=scene.shape,
+            environment=scene.environment,
+            view_pattern=scene.view_pattern,
+            rho_d=truth.rho_d,
+            luminance=float(luminance(np.array(truth.rho_d))),
+            rho_s=truth.rho_s,
+            alpha=truth.alpha,
+            contrast=to_labcd(truth).c,
+            exposure=scene.exposure,
+            clipped=float((surface.colours == FULL_SCALE).any(axis=1).mean()),
+            observations=float(surface.observation_counts.mean()),
+            diameter=2.0 * float(np.linalg.norm(surface.positions, axis=1).max()),
+            distance=float(np.linalg.norm(surface.view_centres, axis=1).mean()),
+            on_object=float(scene.thumbnails.is_object.mean()),
+        )
+
+
+def summarise(folder: Path, splits: tuple[str, ...]) -> list[SceneSummary]:
+    """All scenes of ``splits`` that a set holds, finished or not."""
+    found = [SceneSummary.of(scene) for split in splits for scene in load_scenes(folder, split)]
+    if not found:
+        raise SceneFileError(f"{folder} holds no scenes yet; make them with 'synbrdf generate'")
+    return found

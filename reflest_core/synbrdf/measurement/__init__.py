@@ -1,0 +1,1 @@
+"""What the constants of realism are measured with: real fusion, a real codec."""

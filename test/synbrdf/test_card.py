@@ -1,0 +1,58 @@
+"""The data card's numbers and pictures from a small set."""
+
+import dataclasses
+
+import cv2
+import numpy as np
+import pytest
+
+pytest.importorskip("mitsuba")
+
+from reflest_core.cli.main import main
+from reflest_core.synbrdf.card.contact_sheet import TILE, contact_sheet
+from reflest_core.synbrdf.card.numbers import clipping, table
+from reflest_core.synbrdf.card.summary import SceneSummary
+from reflest_core.synbrdf.generation import Generation
+from reflest_core.synbrdf.scene_file import save_shard
+from reflest_core.synbrdf.splits import Split
+from test.synbrdf.realism.sparse_scenes import ball_scene
+
+
+def test_a_summary_is_of_the_scene():
+    scene = ball_scene()
+    colours = scene.surface.colours.copy()
+    colours[: len(colours) // 4, 1] = 255
+    surface = dataclasses.replace(scene.surface, colours=colours)
+    summary = SceneSummary.of(dataclasses.replace(scene, surface=surface))
+    assert summary.clipped == pytest.approx(0.25, abs=0.01)
+    assert summary.diameter == pytest.approx(0.2)
+    assert summary.distance == pytest.approx(np.hypot(1.0, 0.3))
+    assert summary.luminance == pytest.approx(0.2126 * 0.9 + 0.7152 * 0.5 + 0.0722 * 0.3, rel=1e-4)
+    assert summary.observations == pytest.approx(len(colours) / 200)
+    assert "| train (1 scenes) | rho_s | 0.000 |" in table([summary])
+    assert "25 % (smooth, ball)" in clipping([summary])
+
+
+def test_the_command_writes_histograms_and_numbers(tmp_path, capsys):
+    data, out = tmp_path / "set", tmp_path / "card"
+    assert main(["synbrdf", "card", "--out", str(out), "--data", str(tmp_path)]) == 2
+    assert "manifest.json" in capsys.readouterr().err
+    data.mkdir()
+    (data / "manifest.json").write_text("{}")
+    save_shard(data / "train-00000.safetensors", [ball_scene(seed=k) for k in range(3)])
+    assert main(["synbrdf", "card", "--out", str(out), "--data", str(data)]) == 0
+    assert "train (3 scenes)" in (out / "numbers.md").read_text()
+    for name in ("materials.png", "captures.png"):
+        assert cv2.imread(str(out / name)).std() > 10
+
+
+def test_a_contact_sheet_shows_scenes_and_depth():
+    generation = Generation(3, {"train": 4, "validation": 2, "unseen": 2}, views=4)
+    sheet = contact_sheet(generation, Split.TRAIN, 2, 2, samples=4)
+    assert sheet.shape == (2 * TILE[1], 2 * TILE[0], 3)
+    inset = sheet[: int(TILE[1] * 0.4), : int(TILE[0] * 0.4)]
+    # Grey: depth; and black where there is none.
+    assert (inset == inset[..., :1]).all()
+    assert inset.min() == 0
+    assert inset.max() > 100
+    assert sheet[TILE[1] :].std() > 10
