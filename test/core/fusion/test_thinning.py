@@ -1,4 +1,4 @@
-"""Thinning: all of a small surface, an even and well observed part of a large one, little looking."""
+"""Thinning: a small surface whole, a large one evenly and well observed, with little looking."""
 
 import numpy as np
 import pytest
