@@ -16,8 +16,8 @@ from reflest_core.estimation.scanner import KeyframeSnapshot
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.settings import RegionSettings
 from reflest_ros.estimate_text import estimate_text
-from reflest_ros.qos import OUTPUT_QOS
 from reflest_ros.stamp import ns_to_stamp
+from reflest_ros.view_publisher import ViewPublisher
 from reflest_ros.view_settings import MOST_KEYFRAMES, MarkerSettings, read_settings
 
 Pose = NDArray[np.float64]
@@ -39,29 +39,33 @@ class Markers:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._publisher = node.create_publisher(MarkerArray, "reflectance/markers", OUTPUT_QOS)
+        self._publisher = ViewPublisher(node, MarkerArray, "reflectance/markers")
         self._poses: deque[Pose] = deque(maxlen=MOST_KEYFRAMES)
 
     def show(self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None) -> None:
-        """Remember the pose; publish text and cameras, if anyone looks."""
+        """Remember the pose; show text and cameras."""
         if keyframe.T_world_camera is not None:
             self._poses.append(keyframe.T_world_camera)
-        if self._publisher.get_subscription_count() > 0:
-            settings = read_settings(self._node, "markers", MarkerSettings)
-            region = read_settings(self._node, "region", RegionSettings)
-            up = np.array(self._node.get_parameter("estimation.up").value)
-            self._publisher.publish(
-                marker_message(keyframe, estimate, list(self._poses), settings, region, up)
-            )
+        # A copy, for the message may be made in another thread while keyframes come.
+        poses = list(self._poses)
+        self._publisher.show(lambda: self._message(keyframe, estimate, poses))
 
     def clear(self) -> None:
         """Remove all markers."""
         self._poses.clear()
-        self._publisher.publish(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
+        self._publisher.replace(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
 
     def destroy(self) -> None:
         """Give the publisher back."""
-        self._node.destroy_publisher(self._publisher)
+        self._publisher.destroy()
+
+    def _message(
+        self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None, poses: list[Pose]
+    ) -> MarkerArray:
+        settings = read_settings(self._node, "markers", MarkerSettings)
+        region = read_settings(self._node, "region", RegionSettings)
+        up = np.array(self._node.get_parameter("estimation.up").value)
+        return marker_message(keyframe, estimate, poses, settings, region, up)
 
 
 def marker_message(

@@ -10,8 +10,8 @@ from sensor_msgs.msg import Image
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.scanner import KeyframeSnapshot
 from reflest_core.rendering.sphere import render_point_light, tone_map
-from reflest_ros.qos import OUTPUT_QOS
 from reflest_ros.stamp import ns_to_stamp
+from reflest_ros.view_publisher import ViewPublisher
 from reflest_ros.view_settings import PreviewSettings, read_settings
 
 LIGHT = (-0.45, -0.8, 0.6)
@@ -26,20 +26,23 @@ class Preview:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._publisher = node.create_publisher(Image, "reflectance/preview", OUTPUT_QOS)
+        self._publisher = ViewPublisher(node, Image, "reflectance/preview")
 
     def show(self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None) -> None:
-        """Publish the sphere of an estimate, if anyone looks."""
-        if estimate is not None and self._publisher.get_subscription_count() > 0:
-            settings = read_settings(self._node, "preview", PreviewSettings)
-            self._publisher.publish(preview_message(estimate, settings.size))
+        """Show the sphere of an estimate."""
+        if estimate is not None:
+            self._publisher.show(lambda: preview_message(estimate, self._settings.size))
 
     def clear(self) -> None:
         """Leave the sphere: like the estimate on its topic, it holds until the next one."""
 
     def destroy(self) -> None:
         """Give the publisher back."""
-        self._node.destroy_publisher(self._publisher)
+        self._publisher.destroy()
+
+    @property
+    def _settings(self) -> PreviewSettings:
+        return read_settings(self._node, "preview", PreviewSettings)
 
 
 def preview_message(estimate: BrdfEstimate, size: int) -> Image:

@@ -19,8 +19,8 @@ from reflest_core.rendering.voxel_colours import (
     observed_colours,
     view_count_colours,
 )
-from reflest_ros.qos import OUTPUT_QOS
 from reflest_ros.stamp import ns_to_stamp
+from reflest_ros.view_publisher import ViewPublisher
 from reflest_ros.view_settings import VoxelSettings, read_settings
 
 POINT = np.dtype(
@@ -43,25 +43,26 @@ class VoxelCloud:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._publisher = node.create_publisher(PointCloud2, "reflectance/voxels", OUTPUT_QOS)
+        self._publisher = ViewPublisher(node, PointCloud2, "reflectance/voxels")
         self._frame_id = ""
 
     def show(self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None) -> None:
-        """Publish the surface at a keyframe, if anyone looks."""
-        if self._publisher.get_subscription_count() > 0:
-            settings = read_settings(self._node, "voxels", VoxelSettings)
-            most_views = self._node.get_parameter("fusion.observations_per_voxel").value
-            self._frame_id = keyframe.world_frame_id
-            self._publisher.publish(cloud_message(keyframe, estimate, settings, most_views))
+        """Show the surface at a keyframe."""
+        self._frame_id = keyframe.world_frame_id
+        self._publisher.show(lambda: self._message(keyframe, estimate))
 
     def clear(self) -> None:
         """Replace the last cloud, which stays readable, by one without points."""
-        empty = np.zeros(0, POINT)
-        self._publisher.publish(point_cloud(empty, self._frame_id, 0))
+        self._publisher.replace(point_cloud(np.zeros(0, POINT), self._frame_id, 0))
 
     def destroy(self) -> None:
         """Give the publisher back."""
-        self._node.destroy_publisher(self._publisher)
+        self._publisher.destroy()
+
+    def _message(self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None) -> PointCloud2:
+        settings = read_settings(self._node, "voxels", VoxelSettings)
+        most_views = self._node.get_parameter("fusion.observations_per_voxel").value
+        return cloud_message(keyframe, estimate, settings, most_views)
 
 
 def cloud_message(
