@@ -2,19 +2,28 @@
 
 The view table takes a fixed part. The rest is split so that every TSDF block comes with rows for
 the surface voxels that a block of a smooth surface holds on average, blocks without surface
-included. The frame that is being fused and snapshots are not counted.
+included, and every row with chunks for a voxel that is often seen. The frame that is being fused
+and snapshots are not in the budget, but bounded too (``WORKING_MB``).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from reflest_core.fusion.observation_store import BYTES_PER_OBSERVATION, BYTES_PER_VOXEL
+from reflest_core.fusion.observation_chunks import BYTES_PER_CHUNK, CHUNK
+from reflest_core.fusion.observation_store import BYTES_PER_VOXEL
 from reflest_core.fusion.settings import FusionSettings
 from reflest_core.fusion.tsdf import BYTES_PER_BLOCK
 from reflest_core.fusion.views import BYTES_PER_VIEW, VIEW_CAPACITY
 
+WORKING_MB = 48.0
+"""What a process takes beyond the budget while it fuses VGA frames, in 10^6 bytes: images, what is
+worked out from them, and a snapshot."""
+
 SURFACE_VOXELS_PER_BLOCK = 32
+
+OBSERVATIONS_PER_VOXEL = 24
+"""For which there is room on average; some voxels have more and others less."""
 
 
 @dataclass(frozen=True)
@@ -23,12 +32,15 @@ class MemoryBudget:
 
     blocks: int
     voxels: int
+    chunks: int
     views: int
 
     @classmethod
     def from_settings(cls, settings: FusionSettings) -> MemoryBudget:
         """The capacities that ``memory_budget_mb`` (of 10^6 bytes) pays for."""
         budget = int(settings.memory_budget_mb * 1e6) - VIEW_CAPACITY * BYTES_PER_VIEW
-        row = BYTES_PER_VOXEL + BYTES_PER_OBSERVATION * settings.observations_per_voxel
+        chunks = -(-min(OBSERVATIONS_PER_VOXEL, settings.observations_per_voxel) // CHUNK)
+        row = BYTES_PER_VOXEL + BYTES_PER_CHUNK * chunks
         blocks = budget // (BYTES_PER_BLOCK + SURFACE_VOXELS_PER_BLOCK * row)
-        return cls(blocks, blocks * SURFACE_VOXELS_PER_BLOCK, VIEW_CAPACITY)
+        voxels = blocks * SURFACE_VOXELS_PER_BLOCK
+        return cls(blocks, voxels, voxels * chunks, VIEW_CAPACITY)

@@ -1,6 +1,6 @@
 """The inner loops of the observation store: finding, moving and removing its rows.
 
-All take ``rows``, the tuple of the store's arrays in the order of ``ObservationRows``.
+All take the store's arrays: ``rows`` and ``chunks``.
 """
 
 from __future__ import annotations
@@ -11,6 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.fusion.key_index import drop_key, find_row, put_row
+from reflest_core.fusion.observation_chunks import (
+    CHUNK,
+    NONE,
+    OBSERVATIONS,
+    ObservationChunks,
+    chunk_of_slot,
+    copy_observations,
+    release_chunk,
+    take_chunk,
+)
 from reflest_core.fusion.observation_replacement import (
     closest_pair,
     directions_to_views,
@@ -21,12 +31,13 @@ from reflest_core.jit import compiled
 
 
 class ObservationRows(NamedTuple):
-    """R rows of K slots; a row's first ``counts`` slots hold an observation each.
+    """R rows, one for each voxel.
 
     ``index_keys``, ``index_rows``: slots of the :class:`KeyIndex`. ``keys``: (R,) int64 voxel keys.
-    ``positions``, ``normals``: (R, 3) float32. ``last_seen``: (R,) int64 frame number.
-    ``counts``: (R,) uint8. ``pairs``: (R, 2) uint8, slots of the closest pair of directions of a
-    full row, equal where unknown. ``colours``: (R, K, 3) uint8. ``view_ids``: (R, K) uint16.
+    ``positions``, ``normals``: (R, 3) float32. ``last_seen``: (R,) int32 frame number.
+    ``counts``: (R,) uint8 observations. ``pairs``: (R, 2) uint8, slots of the closest pair of
+    directions of a full row, equal where unknown. ``first_chunks``: (R,) int32, where the
+    observations are (:mod:`observation_chunks`).
     """
 
     index_keys: NDArray[np.int64]
@@ -34,11 +45,10 @@ class ObservationRows(NamedTuple):
     keys: NDArray[np.int64]
     positions: NDArray[np.float32]
     normals: NDArray[np.float32]
-    last_seen: NDArray[np.int64]
+    last_seen: NDArray[np.int32]
     counts: NDArray[np.uint8]
     pairs: NDArray[np.uint8]
-    colours: NDArray[np.uint8]
-    view_ids: NDArray[np.uint16]
+    first_chunks: NDArray[np.int32]
 
 
 @compiled
@@ -86,13 +96,18 @@ def append_rows(
         rows.normals[count] = normals[n]
         rows.counts[count] = 0
         rows.pairs[count] = 0
+        rows.first_chunks[count] = NONE
         count += 1
     return count
 
 
 @compiled
-def remove_row(rows: ObservationRows, count: int, row: int) -> int:
+def remove_row(rows: ObservationRows, chunks: ObservationChunks, count: int, row: int) -> int:
     """Remove a row and fill its place with the last one; return the new row count."""
+    chunks.state[OBSERVATIONS] -= rows.counts[row]
+    chunk = int(rows.first_chunks[row])
+    while chunk != NONE:
+        chunk = release_chunk(chunks, chunk)
     drop_key(rows.index_keys, rows.index_rows, rows.keys[row])
     last = count - 1
     if row != last:
@@ -103,24 +118,29 @@ def remove_row(rows: ObservationRows, count: int, row: int) -> int:
         rows.last_seen[row] = rows.last_seen[last]
         rows.counts[row] = rows.counts[last]
         rows.pairs[row] = rows.pairs[last]
-        rows.colours[row] = rows.colours[last]
-        rows.view_ids[row] = rows.view_ids[last]
+        rows.first_chunks[row] = rows.first_chunks[last]
     return last
 
 
 @compiled
-def remove_keys(rows: ObservationRows, count: int, keys: NDArray[np.int64]) -> int:
+def remove_keys(
+    rows: ObservationRows, chunks: ObservationChunks, count: int, keys: NDArray[np.int64]
+) -> int:
     """Remove the stored ones of these voxels; return the new row count."""
     for n in range(len(keys)):
         row = find_row(rows.index_keys, rows.index_rows, keys[n])
         if row >= 0:
-            count = remove_row(rows, count, row)
+            count = remove_row(rows, chunks, count, row)
     return count
 
 
 @compiled
 def move_keys(
-    rows: ObservationRows, count: int, left: NDArray[np.int64], left_to: NDArray[np.int64]
+    rows: ObservationRows,
+    chunks: ObservationChunks,
+    count: int,
+    left: NDArray[np.int64],
+    left_to: NDArray[np.int64],
 ) -> int:
     """Hand each voxel's observations to the voxel its surface moved to; return the row count.
 
@@ -134,10 +154,10 @@ def move_keys(
         if left_to[n] != NO_KEY:
             other = find_row(rows.index_keys, rows.index_rows, left_to[n])
         if left_to[n] == NO_KEY or (other >= 0 and rows.counts[other] >= rows.counts[row]):
-            count = remove_row(rows, count, row)
+            count = remove_row(rows, chunks, count, row)
             continue
         if other >= 0:
-            count = remove_row(rows, count, other)
+            count = remove_row(rows, chunks, count, other)
             row = find_row(rows.index_keys, rows.index_rows, left[n])
         drop_key(rows.index_keys, rows.index_rows, left[n])
         rows.keys[row] = left_to[n]
@@ -147,82 +167,123 @@ def move_keys(
 
 @compiled
 def rows_unseen_from(
-    rows: ObservationRows, selected: NDArray[np.int64], views: NDArray[np.int64]
+    start: int,
+    stop: int,
+    rows: ObservationRows,
+    chunks: ObservationChunks,
+    selected: NDArray[np.int64],
+    is_one: NDArray[np.bool_],
 ) -> NDArray[np.bool_]:
-    """(S,) True for the selected rows that have no observation from any of ``views``."""
-    is_one = np.zeros(1 << 16, np.bool_)
-    for view in views:
-        is_one[view] = True
-    unseen = np.ones(len(selected), np.bool_)
-    for n in range(len(selected)):
+    """True for those of the rows ``selected[start:stop]`` that no view of ``is_one`` observed.
+
+    ``is_one``: (65536,) by view id.
+    """
+    unseen = np.ones(stop - start, np.bool_)
+    for n in range(start, stop):
         row = selected[n]
-        for slot in range(rows.counts[row]):
-            if is_one[rows.view_ids[row, slot]]:
-                unseen[n] = False
-                break
+        chunk, left = rows.first_chunks[row], int(rows.counts[row])
+        while left > 0 and unseen[n - start]:
+            in_chunk = (left - 1) % CHUNK + 1
+            for slot in range(in_chunk):
+                if is_one[chunks.view_ids[chunk, slot]]:
+                    unseen[n - start] = False
+            chunk = chunks.after[chunk]
+            left -= in_chunk
     return unseen
 
 
 @compiled
 def observe_rows(
     rows: ObservationRows,
+    chunks: ObservationChunks,
+    slots: int,
     selected: NDArray[np.int64],
     colours: NDArray[np.uint8],
     view: int,
     view_centres: NDArray[np.float32],
 ) -> int:
-    """Add one observation of ``view`` to each selected row; return how many were kept."""
-    slots = rows.view_ids.shape[1]
+    """Add one observation of ``view`` to each selected row; return how many were kept.
+
+    A row is full with ``slots`` observations, or with what it has if no chunk is left.
+    """
     directions = np.empty((3, slots + 1), np.float64)
+    old_colours = np.empty((slots, 3), np.uint8)
     views = np.empty(slots + 1, np.uint16)
     kept = 0
     for n in range(len(selected)):
         row = selected[n]
-        slot = int(rows.counts[row])
-        if slot == slots:
-            views[:slots] = rows.view_ids[row]
-            views[slots] = view
-            directions_to_views(rows.positions[row], views, slots + 1, view_centres, directions)
+        count = int(rows.counts[row])
+        chunk, slot = int(rows.first_chunks[row]), count
+        is_full = count == slots
+        if not is_full and count % CHUNK == 0:
+            chunk = take_chunk(chunks, chunk)
+            is_full = chunk == NONE
+        if not is_full:
+            rows.first_chunks[row] = chunk
+            rows.counts[row] = count + 1
+            chunks.state[OBSERVATIONS] += 1
+            rows.pairs[row] = 0
+        elif count < 2:
+            continue
+        else:
+            first = int(rows.first_chunks[row])
+            copy_observations(chunks, first, count, old_colours, views)
+            views[count] = view
+            directions_to_views(rows.positions[row], views, count + 1, view_centres, directions)
             if rows.pairs[row, 0] == rows.pairs[row, 1]:
-                rows.pairs[row, 0], rows.pairs[row, 1] = closest_pair(directions, slots)
+                rows.pairs[row, 0], rows.pairs[row, 1] = closest_pair(directions, count)
             pair = (int(rows.pairs[row, 0]), int(rows.pairs[row, 1]))
-            slot = slot_to_replace(directions, slots, pair)
+            slot = slot_to_replace(directions, count, pair)
             if slot < 0:
                 continue
-            directions[:, slot] = directions[:, slots]
-            rows.pairs[row, 0], rows.pairs[row, 1] = closest_pair(directions, slots)
-        else:
-            rows.counts[row] += 1
-        rows.colours[row, slot] = colours[n]
-        rows.view_ids[row, slot] = view
+            directions[:, slot] = directions[:, count]
+            rows.pairs[row, 0], rows.pairs[row, 1] = closest_pair(directions, count)
+            chunk = chunk_of_slot(chunks, first, count, slot)
+        for channel in range(3):
+            chunks.colours[chunk, slot % CHUNK, channel] = colours[n, channel]
+        chunks.view_ids[chunk, slot % CHUNK] = view
         kept += 1
     return kept
 
 
 @compiled
-def drop_view(rows: ObservationRows, count: int, view: int) -> None:
-    """Remove every observation of ``view``; rows stay."""
+def drop_views(
+    rows: ObservationRows, chunks: ObservationChunks, count: int, is_one: NDArray[np.bool_]
+) -> None:
+    """Remove every observation of the views of ``is_one`` (65536,); rows stay."""
     for row in range(count):
-        for slot in range(rows.counts[row]):
-            if rows.view_ids[row, slot] == view:
-                last = rows.counts[row] - 1
-                rows.colours[row, slot] = rows.colours[row, last]
-                rows.view_ids[row, slot] = rows.view_ids[row, last]
-                rows.counts[row] = last
-                rows.pairs[row] = 0
-                break
+        slot = 0
+        while slot < rows.counts[row]:
+            had = int(rows.counts[row])
+            first = int(rows.first_chunks[row])
+            chunk = chunk_of_slot(chunks, first, had, slot)
+            if not is_one[chunks.view_ids[chunk, slot % CHUNK]]:
+                slot += 1
+                continue
+            last = (had - 1) % CHUNK
+            chunks.colours[chunk, slot % CHUNK] = chunks.colours[first, last]
+            chunks.view_ids[chunk, slot % CHUNK] = chunks.view_ids[first, last]
+            rows.counts[row] = had - 1
+            chunks.state[OBSERVATIONS] -= 1
+            rows.pairs[row] = 0
+            if last == 0:
+                rows.first_chunks[row] = release_chunk(chunks, first)
 
 
 @compiled
 def gather_observations(
-    rows: ObservationRows, selected: NDArray[np.int64], offsets: NDArray[np.int64]
+    rows: ObservationRows,
+    chunks: ObservationChunks,
+    selected: NDArray[np.int64],
+    offsets: NDArray[np.int64],
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
     """Copy the selected rows' observations into (O, 3) colours and (O,) view ids."""
     colours = np.empty((offsets[-1], 3), np.uint8)
     view_ids = np.empty(offsets[-1], np.uint16)
     for n in range(len(selected)):
         row = selected[n]
-        first, last = offsets[n], offsets[n + 1]
-        colours[first:last] = rows.colours[row, : last - first]
-        view_ids[first:last] = rows.view_ids[row, : last - first]
+        copy_observations(
+            chunks, rows.first_chunks[row], int(rows.counts[row]),
+            colours[offsets[n] :], view_ids[offsets[n] :],
+        )  # fmt: skip
     return colours, view_ids

@@ -15,6 +15,7 @@ from reflest_core.fusion.colour_statistics import foreground_background_means
 from reflest_core.fusion.foreground import FramePixels, classify_pixels
 from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.memory_budget import MemoryBudget
+from reflest_core.fusion.observation_chunks import ChunkPool
 from reflest_core.fusion.observation_store import ObservationStore
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.region import Region
@@ -49,7 +50,9 @@ class Scan:
         budget = MemoryBudget.from_settings(self.fusion)
         try:
             self.volume = TsdfVolume(self.fusion.voxel_size, self.fusion.truncation, budget.blocks)
-            self.store = ObservationStore(budget.voxels, self.fusion.observations_per_voxel)
+            self.store = ObservationStore(
+                budget.voxels, budget.chunks, self.fusion.observations_per_voxel
+            )
         except MemoryError:
             raise MemoryBudgetError(
                 f"memory_budget_mb = {self.fusion.memory_budget_mb:g} MB is more than this machine "
@@ -120,7 +123,7 @@ class Scan:
                 frame.camera_centre, positions.mean(axis=0, dtype=np.float64),
                 self.fusion.view_spacing,
             )  # fmt: skip
-            unseen = self.store.unseen_from(rows, near)
+            unseen = self.store.unseen_from(rows, near, threads)
             is_new_view = len(near) == 0 or bool(unseen.mean() > NEW_SURFACE_SHARE)
             view = self._add_view(frame, foreground, background) if is_new_view else int(near[0])
             kept = self.store.observe(rows[unseen], colours[unseen], view, self.views.centres)
@@ -172,7 +175,7 @@ class Scan:
             }
             scan.views.count = counts["views"]
             scan.volume.restore(counts["volume"])
-            scan.store.restore(counts["store"], counts["views"])
+            scan.store.restore(counts["store"], counts["chunks"], counts["views"])
             scan.frame_number = int(header["frame_number"])
             stamp_ns = header["last_stamp_ns"]
             scan.last_stamp_ns = None if stamp_ns is None else int(stamp_ns)
@@ -196,7 +199,7 @@ class Scan:
     @property
     def view_count(self) -> int:
         """Stored views."""
-        return self.views.count
+        return self.views.stored
 
     @property
     def nbytes(self) -> int:
@@ -206,11 +209,22 @@ class Scan:
     @property
     def fill(self) -> float:
         """Share of the fullest of volume, store and views; near 1, old voxels give way to new."""
-        stages = (self.volume, self.store, self.views)
-        return max(stage.count / stage.capacity for stage in stages)
+        return max(
+            self.volume.count / self.volume.capacity,
+            self.store.count / self.store.capacity,
+            self.store.pool.taken / self.store.pool.capacity,
+            self.views.stored / self.views.capacity,
+        )
 
-    def _stages(self) -> tuple[tuple[str, TsdfVolume | ObservationStore | ViewTable], ...]:
-        return ("volume", self.volume), ("store", self.store), ("views", self.views)
+    def _stages(
+        self,
+    ) -> tuple[tuple[str, TsdfVolume | ObservationStore | ChunkPool | ViewTable], ...]:
+        return (
+            ("volume", self.volume),
+            ("store", self.store),
+            ("chunks", self.store.pool),
+            ("views", self.views),
+        )
 
     def _check_overlap(self, frame: Frame, pixels: FramePixels) -> None:
         if not np.any(pixels.depth):
@@ -240,5 +254,7 @@ class Scan:
         background: NDArray[np.float32],
     ) -> int:
         if self.views.is_full:
-            self.store.drop_view(self.views.oldest())
+            oldest = self.views.oldest()
+            self.store.drop_views(oldest)
+            self.views.forget(oldest)
         return self.views.put(frame.camera_centre, foreground, background, frame.stamp_ns)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from reflest_core.errors import ReflestError
 
 FORMAT = "reflest-scan"
-VERSION = 1
+VERSION = 2
 
 Arrays = dict[str, NDArray[Any]]
 

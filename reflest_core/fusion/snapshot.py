@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from reflest_core.fusion.observation_rows import gather_observations
 from reflest_core.fusion.observation_store import ObservationStore
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.thinning import thinned
@@ -20,7 +19,7 @@ def observed_surface(store: ObservationStore, views: ViewTable) -> ObservedSurfa
     selected = thinned(rows.counts[: store.count], MOST_VOXELS)
     offsets = np.zeros(len(selected) + 1, np.int64)
     np.cumsum(rows.counts[selected], out=offsets[1:], dtype=np.int64)
-    colours, view_ids = gather_observations(rows, selected, offsets)
+    colours, view_ids = store.observations(selected)
     return ObservedSurface(
         positions=rows.positions[selected],
         normals=rows.normals[selected],

@@ -10,7 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 VIEW_CAPACITY = 4096
-"""Views kept; the oldest gives way with its observations when a new one comes."""
+"""Views kept; when another comes, the oldest give way with their observations."""
+
+FORGOTTEN_SHARE = 8
+"""The oldest eighth gives way at a time, because the whole store is searched for it."""
+
+_FREE = -1
 
 BYTES_PER_VIEW = 3 * 12 + 8 + 8
 
@@ -20,7 +25,8 @@ class ViewTable:
 
     ``centres``: (W, 3) float32, camera centres in the world frame, metres. ``foreground``,
     ``background``: (W, 3) float32, F and B, mean 8-bit colour, NaN where unknown. ``stamps``: (W,)
-    int64, nanoseconds. ``order``: (W,) int64, rising in the order of storing.
+    int64, nanoseconds. ``order``: (W,) int64, rising in the order of storing; -1 where no view is
+    any more.
     """
 
     def __init__(self, capacity: int = VIEW_CAPACITY) -> None:
@@ -57,9 +63,18 @@ class ViewTable:
         ids = np.flatnonzero(away < reach)
         return ids[np.argsort(away[ids], kind="stable")]
 
-    def oldest(self) -> int:
-        """The id of the view stored first."""
-        return int(np.argmin(self.order[: self.count]))
+    def oldest(self) -> NDArray[np.int64]:
+        """The ids of the views that give way next: the oldest eighth."""
+        stored = np.flatnonzero(self.order[: self.count] != _FREE)
+        by_age = stored[np.argsort(self.order[stored], kind="stable")]
+        return by_age[: max(1, self.capacity // FORGOTTEN_SHARE)]
+
+    def forget(self, views: NDArray[np.int64]) -> None:
+        """Free the ids ``views``; the caller must have dropped their observations before."""
+        self.order[views] = _FREE
+        self.centres[views] = np.nan
+        self.foreground[views] = np.nan
+        self.background[views] = np.nan
 
     def put(
         self,
@@ -68,12 +83,11 @@ class ViewTable:
         background: NDArray[np.float32],
         stamp_ns: int,
     ) -> int:
-        """Store a view and return its id; a full table gives it the oldest view's.
-
-        The caller must have dropped the oldest view's observations before.
-        """
-        newest = int(np.max(self.order[: self.count], initial=-1))
-        view = self.oldest() if self.is_full else self.count
+        """Store a view and return its id; the table must not be full."""
+        used = self.order[: self.count]
+        newest = int(np.max(used, initial=_FREE))
+        free = np.flatnonzero(used == _FREE)
+        view = int(free[0]) if len(free) else self.count
         self.count = max(self.count, view + 1)
         self.centres[view] = centre
         self.foreground[view] = foreground
@@ -83,6 +97,11 @@ class ViewTable:
         return view
 
     @property
+    def stored(self) -> int:
+        """Views in the table."""
+        return int(np.count_nonzero(self.order[: self.count] != _FREE))
+
+    @property
     def is_full(self) -> bool:
-        """Whether the next view takes the oldest one's place."""
-        return self.count == self.capacity
+        """Whether the oldest views must give way to another."""
+        return self.stored == self.capacity

@@ -7,6 +7,7 @@ import numpy as np
 from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.block_erasure import erase_blocks, surface_keys
+from reflest_core.fusion.eviction import least_worthy
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 
@@ -28,7 +29,8 @@ def warm_up() -> None:
     scan.region.contains(np.zeros((1, 3)))
     scan.fuse(wall)
     scan.snapshot()
-    scan.store.drop_view(0)
+    scan.store.drop_views(np.array([0]))
+    least_worthy(scan.store.rows.last_seen, scan.store.rows.counts, 0, 0, 0)
     nothing = np.empty(0, np.int64)
     surface_keys(nothing, scan.volume.blocks)
     erase_blocks(nothing, scan.volume.blocks, scan.volume.count)

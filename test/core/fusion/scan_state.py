@@ -14,7 +14,9 @@ def state_of(scan):
         f"{type(stage).__name__}.{name}": array[: stage.count].copy()
         for stage in (scan.volume, scan.store, scan.views)
         for name, array in stage.arrays.items()
+        if name != "first_chunks"  # where observations lie may differ; what they are may not
     }
+    arrays["colours"], arrays["view_ids"] = scan.store.observations(np.arange(scan.store.count))
     arrays["numbers"] = np.array([scan.frame_number, scan.last_stamp_ns or -1])
     return arrays
 

@@ -17,12 +17,12 @@ centre_on_sphere = st.tuples(angle, st.floats(0.0, 6.0, width=32)).map(
 
 
 def store_with_one_voxel():
-    store = ObservationStore(4, SLOTS)
+    store = ObservationStore(4, 4, SLOTS)
     return store, store.claim(np.array([77]), np.array([-1]), POSITION, NORMAL, 1)
 
 
 def kept_directions(store, centres):
-    ids = store.rows.view_ids[0, : store.rows.counts[0]]
+    _, ids = store.observations(np.array([0]))
     directions = centres[ids].astype(np.float64)
     return directions / np.linalg.norm(directions, axis=1, keepdims=True)
 
@@ -40,9 +40,9 @@ def test_least_angle_never_shrinks_and_count_is_bounded(points):
     for view in range(len(centres)):
         kept = store.observe(row, np.array([[view, 0, 0]], np.uint8), view, centres)
         assert store.rows.counts[0] == min(view + 1, SLOTS) or kept == 0
-        ids = store.rows.view_ids[0, : store.rows.counts[0]]
+        colours, ids = store.observations(np.array([0]))
         assert len(set(ids)) == len(ids)
-        assert store.rows.colours[0, : len(ids), 0].tolist() == ids.tolist()
+        assert colours[:, 0].tolist() == ids.tolist()
         if view >= SLOTS - 1:
             now = least_squared_chord(kept_directions(store, centres))
             assert spread is None or now >= spread * (1.0 - 1e-12)
@@ -56,7 +56,7 @@ def test_new_direction_replaces_one_of_the_closest_pair():
     store, row = store_with_one_voxel()
     kept = [store.observe(row, np.zeros((1, 3), np.uint8), n, centres) for n in range(8)]
     assert kept == [1, 1, 1, 1, 1, 1, 1, 0]
-    assert sorted(store.rows.view_ids[0].tolist()) == [0, 1, 2, 3, 5, 6]
+    assert sorted(store.observations(np.array([0]))[1].tolist()) == [0, 1, 2, 3, 5, 6]
 
 
 @given(st.lists(centre_on_sphere, min_size=2, max_size=12))

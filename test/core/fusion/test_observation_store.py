@@ -2,12 +2,9 @@ import hypothesis.strategies as st
 import numpy as np
 from hypothesis import given, settings
 
-from reflest_core.fusion.observation_store import (
-    BYTES_PER_OBSERVATION,
-    BYTES_PER_VOXEL,
-    OBSERVATION_WORTH,
-    ObservationStore,
-)
+from reflest_core.fusion.eviction import OBSERVATION_WORTH
+from reflest_core.fusion.observation_chunks import BYTES_PER_CHUNK, CHUNK
+from reflest_core.fusion.observation_store import BYTES_PER_VOXEL, ObservationStore
 
 CENTRES = np.random.default_rng(1).normal(size=(300, 3)).astype(np.float32)
 
@@ -28,18 +25,22 @@ def see(store, keys, view, frame_number):
 
 def contents(store):
     """{key: {view: colour}} with the store's own invariants checked."""
-    found = {}
+    found, total = {}, 0
     for row in range(store.count):
         key, n = int(store.rows.keys[row]), int(store.rows.counts[row])
         assert store.find(np.array([key]))[0] == row
-        views = store.rows.view_ids[row, :n].tolist()
-        found[key] = dict(zip(views, store.rows.colours[row, :n].tolist(), strict=True))
+        colours, views = store.observations(np.array([row]))
+        found[key] = dict(zip(views.tolist(), colours.tolist(), strict=True))
         assert len(found[key]) == n
+        total += n
+    assert store.observation_count == total
+    chunks = -(-store.rows.counts[: store.count].astype(int) // CHUNK)
+    assert store.pool.taken == chunks.sum() <= store.pool.count <= store.pool.capacity
     return found
 
 
 def test_observations_come_back_as_they_went_in():
-    store = ObservationStore(100, 5)
+    store = ObservationStore(100, 100, 5)
     see(store, [10, 20, 30], view=3, frame_number=1)
     see(store, [30, 40], view=4, frame_number=2)
     assert contents(store) == {
@@ -52,7 +53,7 @@ def test_observations_come_back_as_they_went_in():
 
 
 def test_refresh_renews_only_stored_voxels():
-    store = ObservationStore(10, 5)
+    store = ObservationStore(10, 10, 5)
     see(store, [1, 2], 0, 1)
     keys = np.array([2, 3])
     store.refresh(store.find(keys), np.full((2, 3), 9, np.float32), np.full((2, 3), 8, np.float32))
@@ -62,14 +63,14 @@ def test_refresh_renews_only_stored_voxels():
 
 
 def test_moved_voxel_keeps_its_observations():
-    store = ObservationStore(10, 5)
+    store = ObservationStore(10, 10, 5)
     see(store, [1, 2], 0, 1)
     store.move(np.array([1, 2]), np.array([5, 0]))
     assert contents(store) == {5: {0: [1, 0, 1]}}
 
 
 def test_of_two_voxels_that_meet_the_richer_survives():
-    store = ObservationStore(10, 5)
+    store = ObservationStore(10, 10, 5)
     see(store, [1, 2, 3], 0, 1)
     see(store, [1, 2], 1, 2)
     see(store, [2], 2, 3)
@@ -78,7 +79,7 @@ def test_of_two_voxels_that_meet_the_richer_survives():
 
 
 def test_unseen_from_looks_for_any_of_the_views():
-    store = ObservationStore(10, 5)
+    store = ObservationStore(10, 10, 5)
     rows = see(store, [1, 2, 3], 0, 1)
     see(store, [2], 7, 2)
     assert store.unseen_from(rows, np.array([7, 9])).tolist() == [True, False, True]
@@ -86,20 +87,19 @@ def test_unseen_from_looks_for_any_of_the_views():
 
 
 def test_dropped_view_leaves_the_others():
-    store = ObservationStore(10, 5)
+    store = ObservationStore(10, 10, 5)
     see(store, [1, 2], 0, 1)
     see(store, [1], 1, 2)
     see(store, [1], 2, 3)
-    store.drop_view(0)
+    store.drop_views(np.array([0]))
     assert contents(store) == {1: {1: [1, 1, 1], 2: [1, 2, 1]}, 2: {}}
 
 
 def test_dropping_a_view_of_a_full_voxel_makes_room_again():
-    store = ObservationStore(2, 5)
+    store = ObservationStore(2, 2, 5)
     for view in range(8):
         see(store, [1], view, view)
-    gone = int(store.rows.view_ids[0, 0])
-    store.drop_view(gone)
+    store.drop_views(store.observations(np.array([0]))[1][:1])
     assert store.rows.counts[0] == 4
     see(store, [1], 100, 9)
     see(store, [1], 101, 10)
@@ -108,7 +108,7 @@ def test_dropping_a_view_of_a_full_voxel_makes_room_again():
 
 
 def test_eviction_takes_the_least_worthy_that_the_frame_does_not_see():
-    store = ObservationStore(4, 5)
+    store = ObservationStore(4, 4, 5)
     see(store, [1], 0, 1)
     see(store, [2], 1, 2)
     for n in range(3):
@@ -120,7 +120,7 @@ def test_eviction_takes_the_least_worthy_that_the_frame_does_not_see():
 
 
 def test_many_observations_outlast_recency_only_so_long():
-    store = ObservationStore(2, 5)
+    store = ObservationStore(2, 2, 5)
     for view in range(3):
         see(store, [1], view, 1)
     see(store, [2], 3, 1 + 2 * OBSERVATION_WORTH + 1)
@@ -129,7 +129,7 @@ def test_many_observations_outlast_recency_only_so_long():
 
 
 def test_frame_larger_than_the_store_fills_it_and_no_more():
-    store = ObservationStore(4, 5)
+    store = ObservationStore(4, 4, 5)
     see(store, [1, 2, 3], 0, 1)
     rows = see(store, [3, 10, 11, 12, 13, 14], 1, 2)
     assert (rows >= 0).tolist() == [True, True, True, True, False, False]
@@ -137,12 +137,13 @@ def test_frame_larger_than_the_store_fills_it_and_no_more():
 
 
 frame_keys = st.lists(st.integers(1, 60), min_size=1, max_size=20, unique=True)
+actions = st.sampled_from(["see", "see", "see", "remove", "move", "drop"])
 
 
-@settings(max_examples=50)
-@given(st.lists(st.tuples(frame_keys, st.sampled_from(["see", "remove", "move", "drop"]))))
-def test_capacity_is_never_passed_and_no_row_is_lost_track_of(steps):
-    store = ObservationStore(16, 5)
+@settings(max_examples=100)
+@given(st.integers(3, 20), st.lists(st.tuples(frame_keys, actions), max_size=40))
+def test_capacity_is_never_passed_and_nothing_is_lost_track_of(chunks, steps):
+    store = ObservationStore(16, chunks, 12)
     reserved = store.nbytes
     for n, (keys, action) in enumerate(steps):
         keys = np.array(keys, np.int64)
@@ -154,12 +155,37 @@ def test_capacity_is_never_passed_and_no_row_is_lost_track_of(steps):
         elif action == "move":
             store.move(keys, np.roll(keys, 1))
         else:
-            store.drop_view(n // 2)
+            store.drop_views(np.array([n // 2, n // 3]))
         contents(store)
         assert store.count <= store.capacity
-        assert store.nbytes == reserved <= 16 * (BYTES_PER_VOXEL + 5 * BYTES_PER_OBSERVATION)
+        assert store.nbytes == reserved <= 16 * BYTES_PER_VOXEL + chunks * BYTES_PER_CHUNK + 100
 
 
-def test_an_observation_costs_at_most_six_bytes():
-    few, many = ObservationStore(1000, 5), ObservationStore(1000, 105)
-    assert (many.nbytes - few.nbytes) / (1000 * 100) <= 6.0
+def test_without_chunks_a_voxel_trades_its_observations_for_better_spread_ones():
+    store = ObservationStore(2, 1, 64)
+    for view in range(8):
+        see(store, [1], view, view + 1)
+    before = contents(store)[1]
+    for view in range(8, 40):
+        see(store, [1], view, view + 1)
+    after = contents(store)[1]
+    assert len(before) == len(after) == 8
+    assert set(after) - set(before)
+
+
+def test_what_is_seen_now_takes_the_chunks_of_what_was_seen_before():
+    store = ObservationStore(10, 4, 64)
+    see(store, [1, 2, 3, 4], 0, 1)
+    see(store, [5, 6], 1, 2)
+    assert {key: len(views) for key, views in contents(store).items()} == {3: 1, 4: 1, 5: 1, 6: 1}
+
+
+def test_an_observation_costs_at_most_six_bytes_and_a_voxel_a_stated_overhead():
+    assert BYTES_PER_CHUNK / CHUNK <= 6.0
+    few, many = ObservationStore(1000, 1000, 64), ObservationStore(1000, 8000, 64)
+    for view in range(64):
+        see(many, np.arange(1, 1001), view, view + 1)
+    assert many.observation_count == 64_000
+    assert (many.nbytes - few.nbytes) / (64_000 - 8_000) <= 6.0
+    assert few.nbytes - 1000 * BYTES_PER_CHUNK <= 1000 * BYTES_PER_VOXEL + 100
+    assert BYTES_PER_VOXEL <= 91

@@ -125,9 +125,19 @@ def test_contents_that_do_not_fit(saved, changes):
 
 def test_observation_of_a_view_that_is_not_there(saved):
     with np.load(saved) as file:
-        view_ids = file["store_view_ids"]
-    view_ids[0, 0] = 4000
-    rewrite(saved, store_view_ids=view_ids)
+        view_ids, first = file["chunks_view_ids"], file["store_first_chunks"]
+    view_ids[first[0], 0] = 4000
+    rewrite(saved, chunks_view_ids=view_ids)
+    with pytest.raises(ScanFileError, match="damaged"):
+        Scan.load(saved)
+
+
+@pytest.mark.parametrize("chunk", [-7, -1, 0, 10**6])
+def test_broken_chain_of_observations(saved, chunk):
+    with np.load(saved) as file:
+        first = file["store_first_chunks"]
+    first[1:3] = chunk
+    rewrite(saved, store_first_chunks=first)
     with pytest.raises(ScanFileError, match="damaged"):
         Scan.load(saved)
 

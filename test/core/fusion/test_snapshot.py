@@ -9,7 +9,7 @@ def filled(voxels):
     views = ViewTable(4)
     for n in range(2):
         views.put(np.array([0.0, 0.0, 1.0 + n]), np.full(3, n), np.full(3, np.nan), n)
-    store = ObservationStore(voxels + 10, 5)
+    store = ObservationStore(voxels + 10, voxels + 10, 5)
     keys = np.arange(1, voxels + 1)
     positions = np.zeros((voxels, 3), np.float32)
     positions[:, 0] = keys
@@ -33,7 +33,7 @@ def test_groups_observations_by_voxel():
 
 def test_leaves_voxels_without_observations_out():
     store, views = filled(4)
-    store.drop_view(0)
+    store.drop_views(np.array([0]))
     surface = snapshot.observed_surface(store, views)
     assert surface.positions[:, 0].tolist() == [1, 3]
     assert surface.offsets.tolist() == [0, 1, 2]
@@ -49,7 +49,7 @@ def test_large_store_is_thinned_evenly(monkeypatch):
 
 
 def test_empty_store():
-    surface = snapshot.observed_surface(ObservationStore(4, 5), ViewTable(4))
+    surface = snapshot.observed_surface(ObservationStore(4, 4, 5), ViewTable(4))
     assert surface.voxel_count == 0
     assert surface.offsets.tolist() == [0]
     assert surface.view_centres.shape == (0, 3)

@@ -22,11 +22,15 @@ def test_near_is_measured_as_an_angle_about_the_scene():
     assert views.near(on_arc(1.9), on_arc(1.9, 0.5), 2.0).tolist() == []
 
 
-def test_full_table_gives_the_oldest_slot_away():
-    views = ViewTable(3)
-    assert [views.put(on_arc(n), F, B, n) for n in range(3)] == [0, 1, 2]
+def test_full_table_gives_the_oldest_eighth_away():
+    views = ViewTable(16)
+    assert [views.put(on_arc(n), F, B, n) for n in range(16)] == list(range(16))
     assert views.is_full
-    assert [views.put(on_arc(10 + n), F, B, 10 + n) for n in range(4)] == [0, 1, 2, 0]
-    assert views.count == 3
-    assert views.stamps.tolist() == [13, 11, 12]
-    np.testing.assert_allclose(views.centres[0], on_arc(13), rtol=1e-6)
+    assert views.oldest().tolist() == [0, 1]
+    views.forget(views.oldest())
+    assert (views.count, views.stored, views.is_full) == (16, 14, False)
+    assert views.near(on_arc(0.0), SCENE, 1.1).tolist() == []
+    assert [views.put(on_arc(20 + n), F, B, 20 + n) for n in range(2)] == [0, 1]
+    assert views.is_full
+    assert views.oldest().tolist() == [2, 3]
+    np.testing.assert_allclose(views.centres[0], on_arc(20), rtol=1e-6)

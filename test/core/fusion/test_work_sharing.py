@@ -1,0 +1,52 @@
+"""Shared work gives what one thread gives, in order."""
+
+import itertools
+import threading
+
+import hypothesis.strategies as st
+import pytest
+from hypothesis import given
+
+from reflest_core.fusion import observation_store, tsdf, visibility
+from reflest_core.fusion.scan import Scan
+from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.fusion.work_sharing import share_out
+from test.core.fusion.analytic_scene import orbit_frames
+from test.core.fusion.scan_state import assert_same_arrays, state_of
+
+
+@given(st.integers(1, 5), st.integers(0, 100), st.integers(1, 40))
+def test_every_item_once_and_in_order(threads, count, least):
+    parts = share_out(threads, count, least, lambda start, stop: list(range(start, stop)))
+    assert list(itertools.chain(*parts)) == list(range(count))
+    assert 1 <= len(parts) <= threads
+    assert len(parts) == 1 or min(map(len, parts)) >= least
+
+
+def test_parts_run_at_the_same_time():
+    meeting = threading.Barrier(2, timeout=60)
+    assert share_out(2, 2, 1, lambda start, stop: (meeting.wait() >= 0, start)) == [
+        (True, 0),
+        (True, 1),
+    ]
+
+
+def test_a_failing_part_is_told():
+    def fail(start, stop):
+        raise OSError("part")
+
+    with pytest.raises(OSError, match="part"):
+        share_out(2, 10, 1, fail)
+
+
+def test_a_scan_does_not_depend_on_the_number_of_threads(monkeypatch):
+    for module in (tsdf, observation_store, visibility):
+        monkeypatch.setattr(module, "LEAST_SHARE", 20)
+    states = []
+    for threads in (1, 2, 3):
+        scan = Scan(FusionSettings(max_depth=1.0, threads=threads), RegionSettings())
+        for frame in orbit_frames(8):
+            scan.fuse(frame)
+        states.append(state_of(scan))
+    for other in states[1:]:
+        assert_same_arrays(states[0], other)
