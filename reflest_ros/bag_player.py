@@ -1,7 +1,7 @@
 """Plays a bag over DDS where there is no ``ros2 bag``: ``reflest-bag-player BAG [--rate 1.0]``.
 
-Every message is published reliably as it was recorded. The player waits until each topic has a
-subscriber, and at the end until the reliable ones have acknowledged everything.
+Every message is published reliably as it was recorded, ``/tf_static`` latched. The player waits
+until each topic has a subscriber, and at the end until the reliable ones have acknowledged all.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.utilities import remove_ros_args
 
 from reflest_core.capture.bag import READERS_BY_SUFFIX
@@ -52,7 +52,14 @@ class BagPlayer(Node):
                 f"{topic.name} is {topic.message_type}, which is not installed; leave it out by "
                 "naming the others with --topics"
             ) from error
-        qos = QoSProfile(depth=WRITER_DEPTH, reliability=ReliabilityPolicy.RELIABLE)
+        is_latched = topic.name.endswith("/tf_static")
+        qos = QoSProfile(
+            depth=WRITER_DEPTH,
+            reliability=ReliabilityPolicy.RELIABLE,
+            durability=(
+                DurabilityPolicy.TRANSIENT_LOCAL if is_latched else DurabilityPolicy.VOLATILE
+            ),
+        )
         return self.create_publisher(message_type, topic.name, qos)
 
     def wait_for_subscribers(self, timeout: float) -> None:

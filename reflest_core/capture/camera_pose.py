@@ -23,7 +23,7 @@ class CameraPoses:
         self._topics = topics
         self._transforms = transforms
         self._child_to_camera = matrix_of_parameter("pose_to_camera", settings.pose_to_camera)
-        self._is_child_set = not np.array_equal(self._child_to_camera, np.eye(4))
+        self._is_child_set = settings.is_pose_to_camera_set
         self._world_frame = ""
 
     def forget_world(self) -> None:

@@ -8,6 +8,7 @@ from reflest_core.capture.pose import matrix_of_parameter
 from reflest_core.parameter import ParameterError, check_parameters, parameter
 
 UNKNOWN_TRANSFORM = (0.0,) * 7
+SAME_FRAME = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ class CaptureSettings:
         unit="s", minimum=0.0, maximum=60.0,
     )  # fmt: skip
     pose_to_camera: tuple[float, ...] = parameter(
-        (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0),
+        SAME_FRAME,
         "The colour camera's optical frame in the frame whose pose is published: x, y, z in "
         "metres, then quaternion x, y, z, w. Left as it is, tf may tell it.",
     )
@@ -82,6 +83,11 @@ class CaptureSettings:
             matrix_of_parameter("depth_to_rgb", self.depth_to_rgb)
         if self.pose_source == "tf" and not self.world_frame.strip("/"):
             raise ParameterError("world_frame is empty: pose_source tf needs its name, as map")
+
+    @property
+    def is_pose_to_camera_set(self) -> bool:
+        """Whether the user told where the camera stands in the frame whose pose comes."""
+        return self.pose_to_camera != SAME_FRAME
 
     @property
     def is_depth_to_rgb_set(self) -> bool:

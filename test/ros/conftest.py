@@ -57,8 +57,8 @@ def start(domain_id: int) -> Iterator[Callable[..., OwnProcess]]:
     """Start a module of the package; what still runs at the end is killed."""
     processes: list[OwnProcess] = []
 
-    def started(module: str, *arguments: str) -> OwnProcess:
-        processes.append(OwnProcess(module, list(map(str, arguments)), domain_id))
+    def started(module: str, *arguments: str, **environment: str) -> OwnProcess:
+        processes.append(OwnProcess(module, list(map(str, arguments)), domain_id, environment))
         return processes[-1]
 
     yield started

@@ -16,8 +16,10 @@ ROOT = Path(__file__).resolve().parents[2]
 class OwnProcess:
     """A Python module that runs in a process group of its own; its output is read by line."""
 
-    def __init__(self, module: str, arguments: list[str], domain_id: int) -> None:
-        environment = {**os.environ, "ROS_DOMAIN_ID": str(domain_id)}
+    def __init__(
+        self, module: str, arguments: list[str], domain_id: int, extra: dict[str, str]
+    ) -> None:
+        environment = {**os.environ, **extra, "ROS_DOMAIN_ID": str(domain_id)}
         self.lines: list[str] = []
         self._changed = threading.Condition()
         self._process = subprocess.Popen(
@@ -31,6 +33,12 @@ class OwnProcess:
     @property
     def output(self) -> str:
         return "".join(self.lines)
+
+    @property
+    def resident_mb(self) -> float:
+        """Memory that the process holds now, MB of 10^6 bytes."""
+        pages = int(Path(f"/proc/{self._process.pid}/statm").read_text().split()[1])
+        return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
     @property
     def is_running(self) -> bool:
