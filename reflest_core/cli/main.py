@@ -14,6 +14,8 @@ from reflest_core.errors import ReflestError
 COMMANDS = ("replay", "export", "synbrdf", "train", "evaluate")
 USER_ERROR = 2
 INTERRUPTED = 130  # as shells report SIGINT
+EXTRAS = {"torch": "training"}
+"""Libraries that whole commands are built on, and the extra that brings them."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -26,6 +28,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return code
     except ReflestError as error:
         print(f"reflest: error: {error}", file=sys.stderr)
+        return USER_ERROR
+    except ModuleNotFoundError as error:
+        if error.name not in EXTRAS:
+            raise
+        print(
+            f"reflest: error: this command needs {error.name}, which is not installed: install "
+            f"reflest's extra '{EXTRAS[error.name]}'",
+            file=sys.stderr,
+        )
         return USER_ERROR
     except KeyboardInterrupt:
         return INTERRUPTED

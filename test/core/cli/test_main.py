@@ -47,6 +47,34 @@ def test_help_starts_without_the_heavy_libraries():
 
 
 @pytest.mark.parametrize(
+    "arguments",
+    [
+        ["train", "data", "--model", "hemicnn", "--out", "out"],
+        ["evaluate", "data", "--out", "out"],
+    ],
+)
+def test_training_without_pytorch_ends_with_the_extra_that_brings_it(arguments):
+    done = reflest(
+        code="import sys; from reflest_core.cli.main import main\n"
+        f"sys.modules['torch'] = None; sys.exit(main({arguments}))"
+    )
+    assert done.returncode == 2
+    assert done.stderr == (
+        "reflest: error: this command needs torch, which is not installed: install reflest's "
+        "extra 'training'\n"
+    )
+
+
+def test_replay_needs_no_pytorch(bag, weights):
+    done = reflest(
+        code="import sys; from reflest_core.cli.main import main\n"
+        "sys.modules['torch'] = None\n"
+        f"sys.exit(main(['replay', {str(bag)!r}, '--weights', {str(weights)!r}]))"
+    )
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
     "arguments", [[], ["replay"], ["nonsense"], ["replay", "x", "--roi-box", "1"]]
 )
 def test_a_wrong_command_line_shows_the_usage(arguments):
