@@ -13,9 +13,10 @@ QUALITIES = (60, 70, 80, 90, 95)
 def add_parser(products: Any) -> None:
     """Add the subcommand."""
     parser: argparse.ArgumentParser = products.add_parser(
-        "measure", help="the errors of real fusion, and of a real JPEG codec, on rendered scans"
+        "measure",
+        help="errors of real fusion and of a JPEG codec on renders, and of shapes' normals",
     )
-    parser.add_argument("what", choices=("fusion", "jpeg"))
+    parser.add_argument("what", choices=("fusion", "jpeg", "shading"))
     parser.add_argument("--objects", type=int, default=5, help="how many are rendered")
     parser.add_argument("--scan-frames", type=int, default=60, help="of a scan, for fusion")
     parser.add_argument("--voxel-size", type=float, default=0.005, help="metres, for fusion")
@@ -25,10 +26,7 @@ def add_parser(products: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print one table."""
-    if arguments.what == "fusion":
-        _fusion(arguments)
-    else:
-        _jpeg(arguments)
+    {"fusion": _fusion, "jpeg": _jpeg, "shading": _shading}[arguments.what](arguments)
     return 0
 
 
@@ -76,3 +74,14 @@ def _jpeg(arguments: argparse.Namespace) -> None:
     for quality in QUALITIES:
         y, cb, cr = jpeg_error(images, quality)
         print(f"| {quality} | {y:.2f} | {cb:.2f} | {cr:.2f} |")
+
+
+def _shading(arguments: argparse.Namespace) -> None:
+    from reflest_core.synbrdf.measurement.shading_error import poor_share
+    from reflest_core.synbrdf.shapes.procedural import KINDS
+
+    print("| shapes | area more than 10 deg off (%) | more than 20 deg off (%) |")
+    print("|---|---|---|")
+    for kind in KINDS:
+        shares = [100.0 * poor_share(kind, range(arguments.objects), off) for off in (10.0, 20.0)]
+        print(f"| {kind} | {shares[0]:.1f} | {shares[1]:.1f} |")

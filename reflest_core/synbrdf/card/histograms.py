@@ -46,7 +46,7 @@ def draw_captures(scenes: list[SceneSummary], path: Path) -> None:
     _histogram(axes[1, 2], [100 * s.clipped for s in scenes], "clipped observations (%)")
     axes[1, 2].set_yscale("log")
     light = Counter(name for scene in scenes for name in scene.environment.split("+"))
-    _histogram(axes[1, 3], list(light.values()), "scenes an environment lights", bins=20)
+    _histogram(axes[1, 3], list(light.values()), "scenes that it lights", "environments", 20)
     figure.savefig(path)
 
 
@@ -61,9 +61,9 @@ def _figure(rows: int, columns: int) -> tuple[Any, Any]:
     )
 
 
-def _histogram(axis: Any, values: Any, label: str, bins: int = 40) -> None:
+def _histogram(axis: Any, values: Any, label: str, of: str = "scenes", bins: int = 40) -> None:
     axis.hist(np.asarray(values, dtype=float), bins=bins, color=BAR)
-    axis.set(xlabel=label, ylabel="scenes")
+    axis.set(xlabel=label, ylabel=of)
 
 
 def _bars(axis: Any, counts: dict[str, int], label: str) -> None:

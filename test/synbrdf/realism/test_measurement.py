@@ -1,16 +1,21 @@
 """What realism's constants are measured with, on scans small enough for a test."""
 
+import dataclasses
+
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 pytest.importorskip("mitsuba")
 
 from reflest_core.synbrdf.measurement.fusion_error import FusionError, measure
 from reflest_core.synbrdf.measurement.jpeg_error import jpeg_error
+from reflest_core.synbrdf.measurement.shading_error import shading_error
 from reflest_core.synbrdf.realism.depth_sensor import DepthSensor
 from reflest_core.synbrdf.realism.jpeg import compression_error
 from reflest_core.synbrdf.realism.settings import Effect, Realism
 from reflest_core.synbrdf.sequence_scene import SequenceRequest
+from test.synbrdf.spheres import icosphere
 
 SCAN = SequenceRequest(seed=1, frames=12, width=320, height=240, shape="superquadric")
 STILL = Realism.only([])
@@ -28,6 +33,16 @@ def test_wrong_poses_move_the_surface():
     exact = measure(SCAN, DepthSensor(0.0, 0.0), STILL, 0.008).quantiles()
     moved = measure(SCAN, DepthSensor(0.0, 0.0), Realism.only([Effect.POSE]), 0.008).quantiles()
     assert moved["offset_stddev"] > 3 * exact["offset_stddev"]
+
+
+def test_shading_is_compared_with_triangles():
+    ball = icosphere(4)
+    error, areas = shading_error(ball)
+    assert error.max() < 0.5
+    assert areas.sum() == pytest.approx(4 * np.pi, rel=0.01)
+    tilted = Rotation.from_euler("x", 12.0, degrees=True).as_matrix()
+    turned = dataclasses.replace(ball, normals=ball.normals @ tilted.T)
+    assert shading_error(turned)[0].max() == pytest.approx(12.0, abs=0.5)
 
 
 def test_errors_are_joined():
