@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 from reflest_core.parameter import ParameterError
 
 if TYPE_CHECKING:
+    from reflest_core.training.data import TrainingData
     from reflest_core.training.processes import Processes
     from reflest_core.training.recipe import Recipe
-    from reflest_core.training.trainer import TrainingData
 
 CHANGES = (
     "optimiser", "learning_rate", "momentum", "minibatches", "batch_size", "voxels",
@@ -28,10 +28,16 @@ def add_parser(subparsers: Any) -> None:
         epilog="torchrun --nproc-per-node N -m reflest_core.cli.main train ... shares each "
         "minibatch among N processes.",
     )
-    parser.add_argument("data", type=Path, help="folder written by 'reflest synbrdf generate'")
+    parser.add_argument(
+        "data", type=Path, help="folder written by 'reflest synbrdf generate', or by --pack"
+    )
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--variant", help="a variant of Table 2, such as grouplet-rmse1-ec")
     what.add_argument("--all", action="store_true", help="all seven, each in OUT/<variant>")
+    what.add_argument(
+        "--pack", action="store_true",
+        help="train nothing: write into OUT what training reads, a twelfth of the data's size",
+    )  # fmt: skip
     what.add_argument("--model", choices=("hemicnn", "grouplet"), help="with --loss and --lambda")
     parser.add_argument("--loss", choices=("rmse1", "rmse2", "cuberoot"), help="default: rmse1")
     parser.add_argument(
@@ -83,6 +89,11 @@ def run(arguments: argparse.Namespace) -> int:
         for name in ("loss", "colour_constancy"):
             if getattr(arguments, name) is not None:
                 raise ParameterError("--loss and --lambda go with --model: a variant has its own")
+    if arguments.pack:
+        from reflest_core.training.data import pack
+
+        pack(_load(arguments), arguments.out)
+        return 0
     with joined_processes(arguments.device) as processes:
         data = _load(arguments)
         if not arguments.all:
@@ -98,18 +109,14 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _load(arguments: argparse.Namespace) -> TrainingData:
     from reflest_core.synbrdf.realism.settings import Realism, parse_effects
-    from reflest_core.training.sample import Degradation, load_samples
-    from reflest_core.training.trainer import TrainingData
+    from reflest_core.training.data import load_training_data
+    from reflest_core.training.sample import Degradation
 
-    training = load_samples(arguments.data, "train")
-    validation = load_samples(arguments.data, "validation")
-    described: dict[str, Any] = {"train": len(training), "validation": len(validation)}
-    if arguments.realism is not None:
-        effects = parse_effects(arguments.realism or ["all"])
-        degradation = Degradation(Realism.only(effects), arguments.seed or 1)
-        training += load_samples(arguments.data, "train", degradation)
-        described["realism"] = [effect.value for effect in effects]
-    return TrainingData(training, validation, described)
+    if arguments.realism is None:
+        return load_training_data(arguments.data)
+    effects = parse_effects(arguments.realism or ["all"])
+    seed = 1 if arguments.seed is None else arguments.seed
+    return load_training_data(arguments.data, Degradation(Realism.only(effects), seed))
 
 
 def _train(

@@ -30,7 +30,7 @@ INTRODUCTION = [
     "over scenes and parameters; `scene mean`, `median` and `p95` are of each scene's own RMSE.",
     "The *unseen* split's environments and shapes appear in no scene that a network was trained",
     "or chosen on. 95 % intervals are bootstrapped over scenes, or over environments (scenes under",
-    "one of them err alike). The paper's figures (Kim et al. 2017, Tables 2 and 3, section 3.3) are",
+    "one of them err alike). The paper's figures (Kim et al. 2017, Tables 2, 3, section 3.3) are",
     "of its own data set. `reflest evaluate` writes this page from the JSON files beside it.",
     "",
 ]

@@ -9,7 +9,8 @@ from pathlib import Path
 from reflest_core.evaluation.accuracy import Accuracy, accuracy
 from reflest_core.evaluation.contenders import Contender, EvaluationError, find_contenders, named
 from reflest_core.evaluation.estimates import estimate_all
-from reflest_core.evaluation.quick_set import EXPECTED, QUICK_SET, VARIANT, load_quick_set
+from reflest_core.evaluation.quick_set import EXPECTED, QUICK_SET, VARIANT
+from reflest_core.training.sample_file import read_samples
 
 TOLERANCE = 1e-3
 """Other processors round sums in another order."""
@@ -50,7 +51,7 @@ def reproduce_row(quick_set: Path = QUICK_SET, expected: Path = EXPECTED) -> Qui
 
 def measure_row(contender: Contender, quick_set: Path = QUICK_SET) -> tuple[Accuracy, str]:
     """Accuracy of ``contender`` on the quick set, and which weights it was."""
-    samples = load_quick_set(quick_set)
+    samples = read_samples(quick_set)
     predictor = contender.predictor()
     made = estimate_all(predictor, samples, contender.name)
     return accuracy(made, samples, predictor.card.statistics), predictor.model_id

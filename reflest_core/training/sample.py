@@ -14,7 +14,7 @@ from reflest_core.errors import ReflestError
 from reflest_core.features.voxel_choice import MIN_OBSERVATIONS
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.synbrdf.realism.degrade import degrade
-from reflest_core.synbrdf.realism.settings import Realism
+from reflest_core.synbrdf.realism.settings import Effect, Realism
 from reflest_core.synbrdf.scene_file import SynbrdfScene, load_scenes
 from reflest_core.synbrdf.seeding import Purpose, generator
 from reflest_core.synbrdf.splits import Split
@@ -49,6 +49,11 @@ class Degradation:
 
     realism: Realism
     seed: int
+
+    @property
+    def effects(self) -> list[Effect]:
+        """Those that change anything."""
+        return [effect for effect in Effect if self.realism.is_on(effect)]
 
     def applied(self, scene: SynbrdfScene) -> SynbrdfScene:
         """``scene`` with its faults; always the same ones."""

@@ -6,7 +6,6 @@ import copy
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import torch
@@ -19,27 +18,18 @@ from reflest_core.models.normalisation import ParameterStatistics
 from reflest_core.models.weights import WeightsCard, save_weights
 from reflest_core.training.batches import Batch, batches
 from reflest_core.training.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from reflest_core.training.data import TrainingData
 from reflest_core.training.drawn_scenes import SceneDrawer
 from reflest_core.training.objective import Objective
 from reflest_core.training.packed_scenes import PackedScenes
 from reflest_core.training.processes import Processes
 from reflest_core.training.recipe import Recipe
-from reflest_core.training.sample import Sample
 from reflest_core.training.training_log import Entry, TrainingLog
 from reflest_core.training.validation import Validation
 from reflest_core.training.weight_average import WeightAverage
 
 EIGHT_BIT = {"hemicnn": False, "grouplet": True}
 """Grouplet meets the paper's size only in 8 bits (SPEC, Grouplet)."""
-
-
-@dataclass(frozen=True)
-class TrainingData:
-    """The scenes, and what the weight file's card says of them."""
-
-    training: list[Sample]
-    validation: list[Sample]
-    described: dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -84,7 +74,9 @@ class Trainer:
         The same weights unquantised stand beside it as ``<name>-float32.safetensors``.
         """
         state = self._resume()
-        average = WeightAverage(state.average, self.recipe.average)
+        device = self.processes.device
+        started_from = {name: tensor.to(device) for name, tensor in state.average.items()}
+        average = WeightAverage(started_from, self.recipe.average)
         network = self.module
         if self.processes.count > 1:
             network = DistributedDataParallel(self.module)
@@ -114,7 +106,7 @@ class Trainer:
 
     def _resume(self) -> Checkpoint:
         path = self.folder.path / "checkpoint.pt"
-        found = load_checkpoint(path, self.recipe, self.processes.device)
+        found = load_checkpoint(path, self.recipe, torch.device("cpu"))
         if found is None:
             weights = copy.deepcopy(self.module.state_dict())
             optimiser = self.optimiser.state_dict()

@@ -10,9 +10,9 @@ from reflest_core.cli.main import main
 from reflest_core.evaluation import quick_check, quick_set, single_image, study, swatches
 from reflest_core.evaluation.contenders import EvaluationError
 from reflest_core.evaluation.paper_figures import TABLES_2_AND_3
-from reflest_core.evaluation.quick_set import load_quick_set
 from reflest_core.models.predictor import Predictor
-from reflest_core.training.sample import load_samples
+from reflest_core.training.sample import TrainingError, load_samples
+from reflest_core.training.sample_file import read_samples
 from test.core.evaluation.conftest import TRAINED
 
 
@@ -108,7 +108,7 @@ def test_the_quick_set_repeats_estimates_bit_for_bit(data, runs, tmp_path):
     samples = load_samples(data, "validation")
     path = tmp_path / "validation.safetensors"
     quick_set.save_quick_set(path, samples)
-    small = load_quick_set(path)
+    small = read_samples(path)
     predictor = Predictor("hemicnn", runs / "hemicnn-rmse1" / "hemicnn-rmse1.safetensors")
     assert sum(s.surface.voxel_count for s in small) == 25 * len(samples)
     for kept, whole in zip(small, samples, strict=True):
@@ -121,8 +121,8 @@ def test_the_quick_set_repeats_estimates_bit_for_bit(data, runs, tmp_path):
 def test_a_damaged_quick_set_is_named(tmp_path):
     path = tmp_path / "validation.safetensors"
     path.write_bytes(b"nothing")
-    with pytest.raises(EvaluationError, match=r"validation\.safetensors is damaged"):
-        load_quick_set(path)
+    with pytest.raises(TrainingError, match=r"validation\.safetensors is damaged"):
+        read_samples(path)
 
 
 def test_a_row_that_is_not_reproduced_is_an_error(data, tmp_path):

@@ -11,10 +11,11 @@ import torch
 from reflest_core.models.predictor import Predictor
 from reflest_core.models.weights import load_weights
 from reflest_core.training.augmentation import Augmentation
+from reflest_core.training.data import TrainingData
 from reflest_core.training.processes import Processes
 from reflest_core.training.recipe import PAPER_RECIPES
 from reflest_core.training.sample import TrainingError
-from reflest_core.training.trainer import RunFolder, Trainer, TrainingData
+from reflest_core.training.trainer import RunFolder, Trainer
 from reflest_core.training.weight_average import WeightAverage
 from test.core.training.scenes import learnable_samples
 

@@ -56,7 +56,9 @@ def test_realism_shows_every_scene_a_second_time(tmp_path, data):
     out = ["--model", "hemicnn", "--out", str(tmp_path), "--realism", "sensor", "pose"]
     assert main(["train", str(data), *out, *QUICK]) == 0
     _, card, _ = load_weights(tmp_path / "hemicnn.safetensors")
-    assert card.recipe["data"] == {"train": 8, "validation": 3, "realism": ["sensor", "pose"]}
+    assert card.recipe["data"] == {
+        "seed": 7, "train": 8, "validation": 3, "realism": ["sensor", "pose"],
+    }  # fmt: skip
     clean = load_samples(data, "train")
     degradation = Degradation(Realism.only([Effect.SENSOR]), seed=1)
     first, again = (load_samples(data, "train", degradation) for _ in range(2))
@@ -65,6 +67,18 @@ def test_realism_shows_every_scene_a_second_time(tmp_path, data):
         np.testing.assert_array_equal(one.surface.colours, same.surface.colours)
         assert (one.surface.colours != without.surface.colours).any()
         np.testing.assert_array_equal(one.ward, without.ward)
+
+
+def test_packed_scenes_train_to_the_same_weights(tmp_path, data):
+    packed = ["--out", str(tmp_path / "packed")]
+    assert main(["train", str(data), "--pack", *packed]) == 0
+    for folder in (data, tmp_path / "packed"):
+        out = ["--model", "hemicnn", "--out", str(tmp_path / f"from-{folder.name}")]
+        assert main(["train", str(folder), *out, *QUICK]) == 0
+    _, card, digest = load_weights(tmp_path / f"from-{data.name}" / "hemicnn.safetensors")
+    _, _, again = load_weights(tmp_path / "from-packed" / "hemicnn.safetensors")
+    assert card.recipe["data"]["train"] == 8
+    assert again == digest
 
 
 def test_an_unknown_variant_and_a_changed_loss_are_refused(tmp_path, data, capsys):

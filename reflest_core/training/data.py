@@ -1,0 +1,62 @@
+"""The scenes of a training: from a SynBRDF folder, or packed for another machine."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from reflest_core.synbrdf.scene_file import MANIFEST
+from reflest_core.training.sample import Degradation, Sample, load_samples
+from reflest_core.training.sample_file import read_samples, save_samples
+
+PACKED = "packed.json"
+SCENES_A_FILE = 700
+"""About 50 MB."""
+
+
+@dataclass(frozen=True)
+class TrainingData:
+    """The scenes, and what the weight file's card says of them."""
+
+    training: list[Sample]
+    validation: list[Sample]
+    described: dict[str, Any]
+
+
+def load_training_data(folder: Path, degradation: Degradation | None = None) -> TrainingData:
+    """Train and validation scenes of a SynBRDF folder, or of one that :func:`pack` wrote.
+
+    With ``degradation`` every training scene comes a second time, with faults; a packed folder
+    has those that it was packed with.
+    """
+    if (folder / PACKED).is_file():
+        described = json.loads((folder / PACKED).read_text())
+        return TrainingData(_unpack(folder, "train"), _unpack(folder, "validation"), described)
+    training = load_samples(folder, "train")
+    validation = load_samples(folder, "validation")
+    manifest = json.loads((folder / MANIFEST).read_text())
+    described = {
+        "seed": manifest.get("seed"),
+        "train": len(training),
+        "validation": len(validation),
+    }
+    if degradation is not None:
+        training += load_samples(folder, "train", degradation)
+        described["realism"] = [effect.value for effect in degradation.effects]
+    return TrainingData(training, validation, described)
+
+
+def pack(data: TrainingData, folder: Path) -> None:
+    """Write ``data`` into ``folder``, in files of about 50 MB."""
+    for split, samples in (("train", data.training), ("validation", data.validation)):
+        for first in range(0, len(samples), SCENES_A_FILE):
+            some = samples[first : first + SCENES_A_FILE]
+            save_samples(folder / f"{split}-{first:05d}.safetensors", some)
+    (folder / PACKED).write_text(json.dumps(data.described, indent=1) + "\n")
+
+
+def _unpack(folder: Path, split: str) -> list[Sample]:
+    paths = sorted(folder.glob(f"{split}-*.safetensors"))
+    return [sample for path in paths for sample in read_samples(path)]
