@@ -1,7 +1,7 @@
 """Pixar's own library reads what was written."""
 
 import pytest
-from pxr import Usd, UsdGeom, UsdShade
+from pxr import Usd, UsdGeom, UsdShade, UsdValidation
 
 from reflest_core.export.material_file import export_estimate
 from test.core.export.estimates import GLOSSY_RED, glossy_red
@@ -30,6 +30,13 @@ def test_the_sphere_is_bound_to_the_preview_surface(open_stage):
     assert tuple(values["diffuseColor"]) == pytest.approx((0.5, 0.1, 0.05))
     assert tuple(values["specularColor"]) == pytest.approx((0.2, 0.2, 0.2))
     assert values["roughness"] == pytest.approx(0.09243**0.5, abs=1e-4)
+
+
+def test_no_validator_of_usd_objects(open_stage):
+    validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    assert len(validators) > 10
+    errors = UsdValidation.ValidationContext(validators).Validate(open_stage(GLOSSY_RED))
+    assert [error.GetMessage() for error in errors] == []
 
 
 def test_the_file_says_where_it_comes_from(open_stage):
