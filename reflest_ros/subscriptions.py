@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -15,7 +14,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 
 from reflest_core.capture.messages import Role, SensorMessage
-from reflest_core.capture.refusal import FrameRefused
+from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.errors import ReflestError
 from reflest_ros.input_topics import InputTopic, input_topics
@@ -98,7 +97,7 @@ class Inputs:
         for topic, state in self._listened:
             state.qos_problem = ""
             try:
-                self._subscriptions.append(self._subscribed(topic, state, sink.offer))
+                self._subscriptions.append(self._subscribed(topic, state, sink))
             except (RuntimeError, ParameterException) as error:
                 self.deactivate()
                 raise ReflestError(
@@ -117,20 +116,19 @@ class Inputs:
             self._node.destroy_subscription(subscription)
         self._subscriptions.clear()
 
-    def _subscribed(
-        self, topic: InputTopic, state: Input, offer: Callable[[Role, SensorMessage], None]
-    ) -> Subscription:
+    def _subscribed(self, topic: InputTopic, state: Input, sink: MessageSink) -> Subscription:
         def on_message(message: Any) -> None:
             converted = topic.convert(message)
             state.take(converted)
-            offer(topic.role, converted)
+            sink.offer(topic.role, converted)
             if state.qos_problem:  # perhaps it was mended
                 state.qos_problem = self._qos_problem(topic)
 
         return self._node.create_subscription(
             topic.message_type, topic.name, on_message, topic.qos,
             event_callbacks=SubscriptionEventCallbacks(
-                incompatible_qos=lambda event: self._on_incompatible_qos(topic, state, event)
+                incompatible_qos=lambda event: self._on_incompatible_qos(topic, state, event),
+                message_lost=lambda event: _refuse_lost(topic.name, event.total_count_change, sink),
             ),
             qos_overriding_options=QoSOverridingOptions(OVERRIDABLE),
         )  # fmt: skip
@@ -145,3 +143,17 @@ class Inputs:
         publishers = self._node.get_publishers_info_by_topic(topic.name)
         # rclpy writes the overrides into the profile that it was given.
         return qos_problem(topic.name, publishers, topic.qos)
+
+
+def _refuse_lost(topic: str, count: int, sink: MessageSink) -> None:
+    """Count messages that the middleware noticed to be missing."""
+    for _ in range(count):
+        sink.refuse(
+            FrameRefused(
+                RefusalCause.MESSAGE_LOST,
+                f"a message on {topic} was lost between its publisher and this node: give Fast "
+                "DDS more shared memory (FASTRTPS_DEFAULT_PROFILES_FILE set to "
+                "config/fastdds_large_messages.xml, for both), or set input.reliability to "
+                "reliable",
+            )
+        )

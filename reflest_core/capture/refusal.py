@@ -29,6 +29,7 @@ class RefusalCause(enum.Enum):
     CLOCK_JUMP = "clock_jump"
     NO_OVERLAP = "no_overlap"
     QUEUE_FULL = "queue_full"
+    MESSAGE_LOST = "message_lost"
 
 
 class FrameRefused(ReflestError):

@@ -78,6 +78,7 @@ REFUSALS = {
     RefusalCause.CLOCK_JUMP: "The clock went back; what waited was dropped.",
     RefusalCause.NO_OVERLAP: "Nothing of the image is the scanned object.",
     RefusalCause.QUEUE_FULL: "Fusion was slower than the input.",
+    RefusalCause.MESSAGE_LOST: "The middleware lost a message on its way.",
 }
 
 
