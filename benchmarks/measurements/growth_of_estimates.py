@@ -20,8 +20,8 @@ from reflest_core.estimation.warm_up import warm_up
 from reflest_core.fusion.settings import FusionSettings
 from reflest_core.models.model_choice import MODELS
 
-BUDGET_MB = 2048.0
-"""Enough that nothing is evicted."""
+BUDGET_BYTES_PER_VOXEL = 1500
+"""Enough that nothing of the floor is evicted."""
 SNAPSHOT = "snapshot"
 LAST_FRAMES = 10
 """Frames at the end of a scan over which fusion is timed."""
@@ -43,10 +43,11 @@ def measure(
 def _floor(voxels: int, voxel_size: float, estimates: int) -> dict[str, Any]:
     """After the scan, frames that see the same small part of it each time are timed."""
     edge = voxel_size * voxels**0.5
+    budget_mb = max(FusionSettings().memory_budget_mb, BUDGET_BYTES_PER_VOXEL * voxels / 1e6)
     scanner = Scanner(
         ReflestSettings(
             region=floor_region(edge),
-            fusion=FusionSettings(voxel_size=voxel_size, memory_budget_mb=BUDGET_MB),
+            fusion=FusionSettings(voxel_size=voxel_size, memory_budget_mb=budget_mb),
         )
     )
     warm_up(scanner.estimator)

@@ -11,7 +11,7 @@ matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from benchmarks.measurements.open3d_grid import INTEGRATE
 
@@ -89,7 +89,9 @@ def _lines(axis: Axes, scans: list[dict[str, Any]], x: str, label: str) -> None:
 
 
 def _plain_numbers(axis: Axes) -> None:
+    axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.yaxis.set_minor_formatter(NullFormatter())
 
 
 def _finish(figure: Figure, path: Path) -> None:
