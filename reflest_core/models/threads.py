@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import AbstractContextManager
+from contextlib import ExitStack, contextmanager
 from functools import cache
 
 from threadpoolctl import ThreadpoolController
@@ -15,13 +16,30 @@ def _libraries() -> ThreadpoolController:
     return ThreadpoolController()
 
 
-def one_blas_thread() -> AbstractContextManager[object]:
+_lock = threading.Lock()
+_limit = ExitStack()
+_holders = 0
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
     """Within it NumPy's products run in the thread that asks for them, in one order of summing.
 
-    It holds for the whole process, as the BLAS libraries know no other way.
+    It holds for the whole process, as the BLAS libraries know no other way, until the last of those
+    who are within it at once has left.
     """
-    limit: AbstractContextManager[object] = _libraries().limit(limits=1, user_api="blas")
-    return limit
+    global _holders
+    with _lock:
+        if _holders == 0:
+            _limit.enter_context(_libraries().limit(limits=1, user_api="blas"))
+        _holders += 1
+    try:
+        yield
+    finally:
+        with _lock:
+            _holders -= 1
+            if _holders == 0:
+                _limit.close()
 
 
 def run_in_threads(work: Callable[[int], None], threads: int) -> None:

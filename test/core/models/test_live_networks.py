@@ -17,7 +17,6 @@ from reflest_core.models.live_grouplet import LiveGrouplet, observations_by_plac
 from reflest_core.models.live_hemicnn import LiveHemiCNN
 from reflest_core.models.model_choice import MODELS
 from reflest_core.models.predictor import Predictor
-from reflest_core.models.threads import run_in_threads
 from reflest_core.models.torch_network import DeviceError, TorchNetwork
 from reflest_core.models.weights import SHIPPED, load_weights
 from test.core.surfaces import sphere_surface
@@ -101,15 +100,6 @@ def test_the_number_of_threads_changes_no_bit():
     expected = one.evaluate(drawn)
     for network in (one, many, many):
         np.testing.assert_array_equal(network.evaluate(drawn), expected)
-
-
-def test_a_thread_that_fails_is_heard_of():
-    def work(worker):
-        if worker == 1:
-            raise ValueError("worker 1")
-
-    with pytest.raises(ValueError, match="worker 1"):
-        run_in_threads(work, 2)
 
 
 def test_pairs_of_observation_and_place_are_distinct_and_rebuild_the_nodes():

@@ -1,0 +1,44 @@
+"""Threads of an estimate: bounded, and nobody's limit is lifted by another's end."""
+
+import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
+
+from reflest_core.models.threads import one_blas_thread, run_in_threads
+
+
+def blas_threads():
+    return {
+        library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"
+    }
+
+
+def test_products_stay_in_one_thread_until_the_last_has_left():
+    with threadpool_limits(2, user_api="blas"):
+        before = blas_threads()
+        first, second = one_blas_thread(), one_blas_thread()
+        first.__enter__()
+        assert blas_threads() == {1}
+        second.__enter__()
+        first.__exit__(None, None, None)
+        assert blas_threads() == {1}
+        second.__exit__(None, None, None)
+        assert blas_threads() == before
+        with pytest.raises(KeyError), one_blas_thread():
+            raise KeyError
+        assert blas_threads() == before
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_every_share_of_the_work_is_done(threads):
+    done = []
+    run_in_threads(done.append, threads)
+    assert sorted(done) == list(range(threads))
+
+
+def test_a_thread_that_fails_is_heard_of():
+    def work(worker):
+        if worker == 1:
+            raise ValueError("worker 1")
+
+    with pytest.raises(ValueError, match="worker 1"):
+        run_in_threads(work, 2)
