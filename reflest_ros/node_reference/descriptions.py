@@ -45,7 +45,9 @@ DIAGNOSTICS = {
     "store (MB)": "Reserved by volume, store and views.",
     "store budget (MB)": "`fusion.memory_budget_mb`.",
     "store in use": "Share of the store that is taken, 0 to 1; at 1 old voxels give way.",
-    "exposure drift (stops)": "How the views' mean brightness has moved since the scan began.",
+    "exposure drift (stops)": (
+        "By how much the newest third of the views is brighter than the oldest; nan where unknown."
+    ),
     "autosave's age (s)": "Since the last one; present with autosave.",
     "autosave's duration (s)": "Of the last one; present with autosave.",
     "autosave's failure": "Why the last one failed; present with autosave, empty where it did not.",

@@ -5,13 +5,14 @@ import json
 import pytest
 
 from reflest_core.cli.main import main
+from reflest_core.estimation.estimate import SCHEMA_VERSION
 from test.core.export.estimates import GLOSSY_RED
 
 
 @pytest.fixture
 def estimate_file(tmp_path):
     path = tmp_path / "replay.json"
-    path.write_text(json.dumps({"schema_version": 1, "final": GLOSSY_RED.to_json()}))
+    path.write_text(json.dumps({"schema_version": SCHEMA_VERSION, "final": GLOSSY_RED.to_json()}))
     return path
 
 

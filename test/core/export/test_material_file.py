@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate
 from reflest_core.export.errors import ExportError
 from reflest_core.export.estimate_file import estimate_from_record, read_estimate
 from reflest_core.export.material_file import FORMATS, export_estimate
@@ -68,7 +68,7 @@ def test_an_estimate_comes_back_from_its_record():
 
 def test_the_final_estimate_of_a_replay_is_read(tmp_path):
     path = tmp_path / "replay.json"
-    record = {"schema_version": 1, "estimates": [], "final": GLOSSY_RED.to_json()}
+    record = {"schema_version": SCHEMA_VERSION, "estimates": [], "final": GLOSSY_RED.to_json()}
     path.write_text(json.dumps(record))
     assert read_estimate(path).rho_d == GLOSSY_RED.rho_d
 
@@ -84,15 +84,15 @@ def test_a_single_estimate_is_read(tmp_path):
     [
         ("{", "is not JSON"),
         ("[]", "holds no estimate"),
-        ("{}", "has schema_version None where this reflest reads 1"),
-        ('{"schema_version": 1, "final": null, "no_estimate": "3 voxels"}', "estimate: 3 voxels"),
-        ('{"schema_version": 1, "final": {"header": {}}}', "damaged estimate"),
-        ('{"schema_version": 1, "final": []}', "damaged estimate"),
+        ("{}", f"has schema_version None where this reflest reads {SCHEMA_VERSION}"),
+        ('{"schema_version": V, "final": null, "no_estimate": "3 voxels"}', "estimate: 3 voxels"),
+        ('{"schema_version": V, "final": {"header": {}}}', "damaged estimate"),
+        ('{"schema_version": V, "final": []}', "damaged estimate"),
     ],
 )
 def test_a_bad_file_is_refused_in_one_sentence(text, sentence, tmp_path):
     path = tmp_path / "estimate.json"
-    path.write_text(text)
+    path.write_text(text.replace("V,", f"{SCHEMA_VERSION},"))
     with pytest.raises(ExportError, match=sentence):
         read_estimate(path)
 
