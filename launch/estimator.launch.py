@@ -23,6 +23,11 @@ from launch_ros.event_handlers import OnStateTransition
 CONFIG = Path(get_package_share_directory("reflest_ros")) / "config"
 CAMERAS = ("none", "realsense", "azure_kinect", "orbbec", "tum")
 PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
+RVIZ_TOPICS = (
+    "/reflectance/voxels", "/reflectance/markers", "/reflectance/preview",
+    "/camera/color/image_raw", "/camera/pose",
+)  # fmt: skip
+"""Named in config/reflest.rviz; RViz looks for them in its namespace."""
 ARGUMENTS = (
     ("camera", "none", "Camera whose topics, units and frames to expect.", CAMERAS),
     ("config", "", "Your own parameter file; its values win over the camera's.", None),
@@ -87,6 +92,7 @@ def nodes(context: LaunchContext) -> list[Action]:
                 executable="rviz2",
                 namespace=given["namespace"],
                 arguments=["-d", str(CONFIG / "reflest.rviz")],
+                remappings=[(topic, topic.removeprefix("/")) for topic in RVIZ_TOPICS],
                 parameters=[{"use_sim_time": uses_sim_time}],
             )
         )

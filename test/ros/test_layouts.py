@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 
 import pytest
@@ -47,6 +48,17 @@ def test_rviz_shows_topics_of_the_node(topics):
     named = [display["Topic"]["Value"] for display in rviz_displays() if "Topic" in display]
     assert set(named) <= topics
     assert {"/reflectance/preview", "/reflectance/voxels", "/reflectance/markers"} <= set(named)
+
+
+def test_the_launch_file_moves_every_topic_of_rviz_into_the_namespace():
+    launch = ast.parse((ROOT / "launch" / "estimator.launch.py").read_text())
+    (moved,) = (
+        ast.literal_eval(statement.value)
+        for statement in launch.body
+        if isinstance(statement, ast.Assign) and statement.targets[0].id == "RVIZ_TOPICS"
+    )
+    named = {display["Topic"]["Value"] for display in rviz_displays() if "Topic" in display}
+    assert set(moved) == named
 
 
 def test_rviz_asks_for_what_is_offered():
