@@ -45,27 +45,39 @@ class Autosave:
         self._saved = self._state
 
     def resume(self) -> bool:
-        """Go on from the file where there is one; one that cannot be read is put aside."""
+        """Go on from the file where there is one; one that cannot be read is put aside.
+
+        The scan keeps the region of interest and the fusion settings that it was begun with.
+        Raises :class:`ReflestError` where the file system does not let the file be used.
+        """
         if self.path is None:
             return False
-        # What a process that was killed while it wrote has left.
-        for partial in self.path.parent.glob(f".{self.path.name}.*.partial"):
-            partial.unlink(missing_ok=True)
-        if not self.path.exists():
-            return False
         try:
-            self._scanner.load(self.path)
-        except ScanFileError as error:
-            aside = self.path.with_name(f"{self.path.name}.unreadable")
-            self.path.replace(aside)
-            self._log.warning(f"a new scan begins: {error} (it is kept as {aside})")
-            return False
+            if not self._load(self.path):
+                return False
+        except OSError as error:
+            raise ReflestError(f"autosave.path = {self.path} cannot be used: {error}") from error
         self._saved = self._state
         scan = self._scanner.scan
         self._log.info(
             f"resumed the scan in {self.path}: {scan.voxel_count} voxels, {scan.view_count} views, "
             f"region of interest {scan.region_settings.shape}, voxels of {scan.fusion.voxel_size} m"
         )
+        return True
+
+    def _load(self, path: Path) -> bool:
+        # What a process that was killed while it wrote has left.
+        for partial in path.parent.glob(f".{path.name}.*.partial"):
+            partial.unlink(missing_ok=True)
+        if not path.exists():
+            return False
+        try:
+            self._scanner.load(path)
+        except ScanFileError as error:
+            aside = path.with_name(f"{path.name}.unreadable")
+            path.replace(aside)
+            self._log.warning(f"a new scan begins: {error} (it is kept as {aside})")
+            return False
         return True
 
     def start(self, fusion: FusionWorker) -> None:

@@ -11,7 +11,6 @@ from rclpy.node import Node
 
 from reflest_core.capture.messages import Role
 from reflest_core.capture.refusal import RefusalCause
-from reflest_core.fusion.settings import FusionSettings
 from reflest_ros.recent_counts import RecentCounts
 from reflest_ros.scan_session import ScanSession
 from reflest_ros.scan_warnings import ScanWarnings
@@ -30,17 +29,15 @@ class _Watched:
     silence: SilenceWatch
     scan: ScanWarnings
     messages: RecentCounts[Role]
-    frames: RecentCounts[str]
     refusals: RecentCounts[RefusalCause]
 
 
 class Diagnostics:
     """Publishes one status each period: state, rates, refusals by cause, store against budget."""
 
-    def __init__(self, node: Node, settings: InputSettings, fusion: FusionSettings) -> None:
+    def __init__(self, node: Node, settings: InputSettings) -> None:
         self._node = node
         self._settings = settings
-        self._budget_mb = fusion.memory_budget_mb
         self._watched: _Watched | None = None
         self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
 
@@ -50,8 +47,8 @@ class Diagnostics:
         if session is not None:
             self._watched = _Watched(
                 session, SilenceWatch(self._node, session.inputs.states, self._settings.silence),
-                ScanWarnings(self._node, self._budget_mb),
-                RecentCounts(WINDOW), RecentCounts(WINDOW), RecentCounts(WINDOW),
+                ScanWarnings(self._node, session.scanner),
+                RecentCounts(WINDOW), RecentCounts(WINDOW),
             )  # fmt: skip
 
     def publish(self) -> None:
@@ -101,7 +98,7 @@ class Diagnostics:
             "observations": str(counts.observations),
             "views": str(counts.views),
             "store (MB)": f"{counts.nbytes / 1e6:.1f}",
-            "store budget (MB)": f"{self._budget_mb:.1f}",
+            "store budget (MB)": f"{session.scanner.scan.fusion.memory_budget_mb:.1f}",
             "store in use": f"{counts.fill:.3f}",
             "exposure drift (stops)": f"{counts.exposure_drift:.2f}",
         }
@@ -119,14 +116,14 @@ class Diagnostics:
 def _sample(watched: _Watched) -> None:
     session, now = watched.session, time.monotonic()
     watched.messages.sample(now, {one.role: one.count for one in session.inputs.states})
-    watched.frames.sample(now, {"matched": session.fusion.counts.matched})
     watched.refusals.sample(now, dict(session.assembler.refusals.counts))
 
 
 def _matched_ratio(watched: _Watched) -> float:
-    """Frames matched for each colour image, of late; NaN where none came."""
-    colours = watched.messages.increase(Role.RGB)
-    return watched.frames.increase("matched") / colours if colours else math.nan
+    """Frames matched for each colour image so far; NaN where none came."""
+    session = watched.session
+    colours = session.fusion.counts.messages[Role.RGB]
+    return session.fusion.counts.matched / colours if colours else math.nan
 
 
 def _warnings(watched: _Watched) -> list[str]:

@@ -39,7 +39,7 @@ class EstimatorNode(LifecycleNode):
         warn_of_unknown_parameters(self)
         guard_parameters(self, self._apply)
         PauseServices(self, self._is_active, lambda: self._failure)
-        self._diagnostics = Diagnostics(self, self._node_settings.input, self._settings.fusion)
+        self._diagnostics = Diagnostics(self, self._node_settings.input)
         # Diagnostics go on where simulated time stands still, and during transitions.
         self.create_timer(
             self._node_settings.input.diagnostics_period, self._diagnostics.publish,

@@ -78,7 +78,12 @@ class ScanServices:
             path = given_path(request.path)
             self._between_frames(lambda: self._session.load(path))
             set_region_parameters(self._node, self._session.scanner.scan.region_settings)
-            return f"loaded {self._voxels} from {path}"
+            scan = self._session.scanner.scan
+            return (
+                f"loaded {self._voxels} from {path}; it goes on with its own settings: voxels of "
+                f"{scan.fusion.voxel_size:g} m, {scan.fusion.memory_budget_mb:g} MB, region of "
+                f"interest {scan.region_settings.shape}"
+            )
 
         return answer_with(response, work)
 

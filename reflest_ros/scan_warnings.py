@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rclpy.node import Node
 
+from reflest_core.estimation.scanner import Scanner
 from reflest_ros.fusion_worker import FusionCounts
 
 NEARLY_FULL = 0.85
@@ -16,9 +17,9 @@ WORTH_A_WARNING = 0.5
 class ScanWarnings:
     """Logs each kind of trouble once, and says on every check what holds now."""
 
-    def __init__(self, node: Node, budget_mb: float) -> None:
+    def __init__(self, node: Node, scanner: Scanner) -> None:
         self._log = node.get_logger()
-        self._budget_mb = budget_mb
+        self._scanner = scanner
         self._said: set[str] = set()
 
     def check(self, counts: FusionCounts) -> list[str]:
@@ -33,8 +34,9 @@ class ScanWarnings:
     def _fullness(self, counts: FusionCounts) -> str:
         if counts.fill < NEARLY_FULL:
             return ""
+        budget_mb = self._scanner.scan.fusion.memory_budget_mb
         return (
-            f"the store has filled {counts.fill:.0%} of its budget of {self._budget_mb:g} MB, and "
+            f"the store has filled {counts.fill:.0%} of its budget of {budget_mb:g} MB, and "
             "voxels unseen for longest give way to new ones: raise fusion.memory_budget_mb or "
             "fusion.voxel_size, or set a region of interest"
         )

@@ -28,7 +28,7 @@ DIAGNOSTICS = {
     "messages ROLE": "Messages received on the topic of that role.",
     "rate ROLE (Hz)": "Messages each second, over the last 5 s.",
     "incompatible QoS ROLE": "Present where publishers cannot be heard: both policies and the fix.",
-    "matched ratio": "Frames for each colour image, over the last 5 s; nan without images.",
+    "matched ratio": "Frames for each colour image so far; nan without images.",
     "frames matched": "Colour images that found depth, calibration and pose.",
     "frames fused": "Frames that went into the scan.",
     "queue": "Messages and jobs that wait for fusion.",

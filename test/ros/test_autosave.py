@@ -6,6 +6,8 @@ import dataclasses
 import math
 import signal
 
+import pytest
+from ros_peer import RosPeer
 from sphere_messages import messages_of
 from sphere_scene import views
 from std_srvs.srv import Trigger
@@ -15,13 +17,26 @@ from reflest_ros.estimate_message import estimate_from_message
 from reflest_ros.srv import Estimate
 
 
-def started(start, settings_file, path):
-    node = start(
-        "reflest_ros.estimator", "--ros-args", "--params-file", settings_file,
-        "-p", f"autosave.path:={path}", "-p", "autosave.period:=0.1",
-    )  # fmt: skip
-    node.wait_for_line("listening to", 200.0)
-    return node
+@pytest.fixture
+def started(start, settings_file, domain_id):
+    """Start a node that saves to a path. Each gets a peer that has never met a killed one."""
+    nodes, peers = [], []
+
+    def one(path):
+        node = start(
+            "reflest_ros.estimator", "--ros-args", "--params-file", settings_file,
+            "-p", f"autosave.path:={path}", "-p", "autosave.period:=0.1",
+        )  # fmt: skip
+        node.wait_for_line("listening to", 200.0)
+        nodes.append(node)
+        peers.append(RosPeer(domain_id))
+        return node, peers[-1]
+
+    yield one
+    for peer in peers:
+        peer.close()
+    for node in nodes:
+        node.end()
 
 
 def send(peer, some):
@@ -40,11 +55,11 @@ def estimate(peer):
     return dataclasses.replace(estimate_from_message(response.estimate), latency=math.nan).to_json()
 
 
-def test_kill_and_resume(start, peer, settings_file, tmp_path):
+def test_kill_and_resume(started, tmp_path):
     path = tmp_path / "scan.reflest"
     first, second = list(views(8))[:5], list(views(8))[5:]
 
-    node = started(start, settings_file, path)
+    node, peer = started(path)
     send(peer, first)
     peer.wait_until(lambda: saved_frames(path) == 5, "the scan was not saved")
     before = estimate(peer)
@@ -53,7 +68,7 @@ def test_kill_and_resume(start, peer, settings_file, tmp_path):
     (tmp_path / ".scan.reflest.1.partial").write_bytes(b"what a kill in mid-write leaves")
 
     # Started again, it has the scan, and goes on with stamps after it and before it.
-    node = started(start, settings_file, path)
+    node, peer = started(path)
     assert "5 views" in node.wait_for_line("resumed the scan")
     assert estimate(peer) == before
     assert list(tmp_path.iterdir()) == [path]
@@ -61,7 +76,7 @@ def test_kill_and_resume(start, peer, settings_file, tmp_path):
     peer.wait_until(lambda: saved_frames(path) == 8, "the scan did not go on")
     node.interrupt(signal.SIGKILL)
     node.exit_code()
-    node = started(start, settings_file, path)
+    node, peer = started(path)
     send(peer, first[:1])
     peer.wait_until(lambda: saved_frames(path) == 9, "the scan did not go on")
 
@@ -72,18 +87,18 @@ def test_kill_and_resume(start, peer, settings_file, tmp_path):
     assert saved_frames(path) == 0
 
 
-def test_a_file_that_cannot_be_read_is_put_aside(start, settings_file, tmp_path):
+def test_a_file_that_cannot_be_read_is_put_aside(started, tmp_path):
     path = tmp_path / "scan.reflest"
     path.write_bytes(b"no scan")
-    node = started(start, settings_file, path)
+    node, _ = started(path)
     assert "a new scan begins" in node.wait_for_line("unreadable")
     assert (tmp_path / "scan.reflest.unreadable").read_bytes() == b"no scan"
 
 
-def test_a_folder_that_goes_is_said_and_the_scan_goes_on(start, peer, settings_file, tmp_path):
+def test_a_folder_that_goes_is_said_and_the_scan_goes_on(started, tmp_path):
     folder = tmp_path / "folder"
     folder.mkdir()
-    node = started(start, settings_file, folder / "scan.reflest")
+    node, peer = started(folder / "scan.reflest")
     folder.rmdir()
     send(peer, list(views(8))[:2])
     assert str(folder) in node.wait_for_line("goes on without autosave")

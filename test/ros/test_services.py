@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import threading
 
 import pytest
 from rcl_interfaces.msg import ParameterType, ParameterValue
@@ -145,6 +146,38 @@ def test_the_region_parameters_are_the_same_region(peer, send):
     peer.wait_until(lambda: peer.diagnostics["voxels"] == "0", "the old scan is left")
     assert peer.call(SetRegion, "set_region", **SPHERE).success
     assert peer.parameter("region.shape").string_value == "sphere"
+
+
+def test_every_service_while_frames_come(peer, send, tmp_path):
+    """Services in any order amid frames: each answers, and the scan goes on after them."""
+    scan, material = str(tmp_path / "scan.reflest"), str(tmp_path / "material.gltf")
+    assert peer.call(SaveScan, "save", path=scan).success
+    feeding = threading.Thread(target=send, args=(60,))
+    feeding.start()
+    calls = [
+        (Trigger, "reset", {}),
+        (Estimate, "estimate", {}),
+        (SaveScan, "save", {"path": scan}),
+        (LoadScan, "load", {"path": scan}),
+        (ExportEstimate, "export", {"format": "gltf", "path": material}),
+        (SetRegion, "set_region", {**SPHERE, "size": [0.3, 0.3, 0.3]}),
+        (Trigger, "pause", {}),
+        (Trigger, "resume", {}),
+        (SetRegion, "set_region", SPHERE),
+    ]
+    for number in range(3 * len(calls)):
+        kind, name, request = calls[number * 2 % len(calls)]
+        response = peer.call(kind, name, **request)
+        # An estimate may find an empty scan; nothing else can fail.
+        assert response.success or name in ("estimate", "export"), response.message
+    assert peer.call(Trigger, "resume").success
+    feeding.join(60)
+    assert not feeding.is_alive()
+    peer.wait_until(lambda: peer.diagnostics["queue"] == "0", "the queue does not empty")
+    fused = peer.count("frames fused")
+    send(3)
+    peer.wait_for_count("frames fused", fused + 3)
+    assert peer.call(Estimate, "estimate").success
 
 
 def test_the_node_outlived_it_all(node):
