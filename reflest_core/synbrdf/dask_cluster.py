@@ -24,7 +24,8 @@ def dask_cluster(address: str) -> Iterator[Executor]:
         ClusterError: without the package, without an answer, or without workers.
     """
     try:
-        from distributed import Client
+        from distributed import Client, KilledWorker
+        from distributed.comm.core import CommClosedError
     except ImportError as error:
         raise ClusterError(
             "--scheduler needs the Python package distributed: install it with "
@@ -43,4 +44,10 @@ def dask_cluster(address: str) -> Iterator[Executor]:
                 f"the Dask scheduler at {address} has no workers: start some with "
                 f"'dask worker {address} --nthreads 1'"
             )
-        yield client.get_executor(pure=False)
+        try:
+            yield client.get_executor(pure=False)
+        except (KilledWorker, CommClosedError) as error:
+            raise ClusterError(
+                f"the cluster at {address} lost its workers or its scheduler, perhaps for want of "
+                "memory: start them again, and the same command goes on"
+            ) from error

@@ -35,6 +35,7 @@ def generate(
     except OSError as error:
         raise SceneFileError(f"{folder} cannot be made: {error.strerror}") from error
     _begin_manifest(folder, manifest)
+    _check_hashes(folder)
     tasks = list(shard_tasks(generation))
     missing = [task for task in tasks if not (folder / task.file_name).exists()]
     scenes = sum(task.scenes for task in tasks)
@@ -105,6 +106,16 @@ def _begin_manifest(folder: Path, manifest: dict[str, Any]) -> None:
         raise SceneFileError(
             f"{folder} was begun with another {', '.join(differing)}; use the same or another --out"
         )
+
+
+def _check_hashes(folder: Path) -> None:
+    """What a finished run wrote must still be that."""
+    for name, digest in json.loads((folder / MANIFEST).read_text()).get("sha256", {}).items():
+        path = folder / name
+        if path.exists() and sha256(path) != digest:
+            raise SceneFileError(
+                f"{path} is damaged: its hash is not the manifest's; delete it and generate again"
+            )
 
 
 def _write_json(path: Path, content: dict[str, Any]) -> None:

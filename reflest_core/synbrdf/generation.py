@@ -5,12 +5,13 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 from reflest_core.synbrdf.environments import EnvironmentSource, find_environments, procedural_skies
 from reflest_core.synbrdf.metering import Metering
+from reflest_core.synbrdf.mitsuba_runtime import missing_package
 from reflest_core.synbrdf.realism.settings import Realism
 from reflest_core.synbrdf.scene import Lighting, Scene, draw_scene
 from reflest_core.synbrdf.scene_file import FORMAT
@@ -72,7 +73,7 @@ class Generation:
             "metering": self.metering.value,
             "environments": [source.name for source in self._environments()],
             "meshes": [source.name for source in self._meshes()],
-            "versions": {name: version(name) for name in PACKAGES},
+            "versions": _versions(),
             "code": source_fingerprint(),
         }
 
@@ -83,6 +84,16 @@ class Generation:
 
     def _meshes(self) -> list[MeshSource]:
         return [] if self.meshes is None else find_meshes(self.meshes)
+
+
+def _versions() -> dict[str, str]:
+    found = {}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError as error:
+            raise missing_package(package) from error
+    return found
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ def load_mitsuba() -> ModuleType:
     try:
         import mitsuba
     except ImportError as error:
-        raise _missing("mitsuba") from error
+        raise missing_package("mitsuba") from error
     if mitsuba.variant() != VARIANT:
         mitsuba.set_variant(VARIANT)
     return mitsuba
@@ -35,7 +35,7 @@ def _llvm_library() -> str:
     try:
         files = importlib.metadata.files("karellen-llvm-core") or []
     except importlib.metadata.PackageNotFoundError as error:
-        raise _missing("karellen-llvm-core") from error
+        raise missing_package("karellen-llvm-core") from error
     # A distribution lists the library and links to it; any name that exists will do.
     candidates = sorted(
         str(file.locate())
@@ -45,10 +45,11 @@ def _llvm_library() -> str:
     for candidate in candidates:
         if os.path.exists(candidate):
             return candidate
-    raise _missing("karellen-llvm-core")
+    raise missing_package("karellen-llvm-core")
 
 
-def _missing(package: str) -> RendererMissing:
+def missing_package(package: str) -> RendererMissing:
+    """The error that names a ``package`` of the extra."""
     return RendererMissing(
         f"rendering needs the Python package {package}: install it with "
         "pip install 'reflest[synbrdf]'"

@@ -1,14 +1,17 @@
 """The data set from a Dask cluster: two workers on this machine, the same bytes."""
 
+import os
+
 import pytest
 
 pytest.importorskip("mitsuba")
 pytest.importorskip("distributed")
 
+import dask.config
 import distributed
 
 from reflest_core.cli.main import main
-from reflest_core.synbrdf.dask_cluster import dask_cluster
+from reflest_core.synbrdf.dask_cluster import ClusterError, dask_cluster
 from reflest_core.synbrdf.generate import GenerationError, generate, render_agreed
 from reflest_core.synbrdf.generation import Generation, ShardTask
 from reflest_core.synbrdf.process_pool import process_pool
@@ -82,3 +85,16 @@ def test_a_scheduler_without_workers_is_refused(tmp_path, capsys):
         words = ["--out", str(tmp_path / "set"), "--scheduler", empty.scheduler_address, *OPTIONS]
         assert main(["synbrdf", "generate", *words]) == 2
     assert "has no workers" in capsys.readouterr().err
+
+
+def test_a_worker_that_is_killed_is_one_sentence():
+    no_second_try = {"distributed.scheduler.allowed-failures": 0}
+    with (
+        dask.config.set(no_second_try),
+        distributed.LocalCluster(
+            n_workers=1, host="127.0.0.1", dashboard_address="127.0.0.1:0"
+        ) as cluster,
+        pytest.raises(ClusterError, match="lost its workers"),
+        dask_cluster(cluster.scheduler_address) as executor,
+    ):
+        executor.submit(os._exit, 1).result()

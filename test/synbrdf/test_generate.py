@@ -11,9 +11,11 @@ import pytest
 pytest.importorskip("mitsuba")
 
 from reflest_core.cli.main import main
+from reflest_core.synbrdf import generation
 from reflest_core.synbrdf.exposure import expose
 from reflest_core.synbrdf.generate import generate
 from reflest_core.synbrdf.generation import Generation, shard_tasks
+from reflest_core.synbrdf.mitsuba_runtime import RendererMissing
 from reflest_core.synbrdf.process_pool import process_pool
 from reflest_core.synbrdf.realism.degrade import degrade
 from reflest_core.synbrdf.realism.settings import Effect, Realism
@@ -158,6 +160,27 @@ def test_a_damaged_shard_is_named(generated, tmp_path, damage):
     broken.write_bytes(damage(whole.read_bytes()))
     with pytest.raises(SceneFileError, match=whole.name):
         load_shard(broken)
+
+
+def test_a_damaged_shard_of_a_finished_set_is_found_and_mended(generated, tmp_path):
+    folder = tmp_path / "set"
+    shutil.copytree(generated, folder)
+    shard = next(folder.glob("train-*.safetensors"))
+    data = bytearray(shard.read_bytes())
+    data[-1] ^= 1
+    shard.write_bytes(data)
+    with pytest.raises(SceneFileError, match=rf"{shard.name} is damaged"):
+        generate(folder, TINY, process_pool(1))
+    shard.unlink()
+    generate(folder, TINY, process_pool(1))
+    assert hashes(folder) == hashes(generated)
+
+
+def test_a_missing_library_is_named(monkeypatch, tmp_path):
+    monkeypatch.setattr(generation, "PACKAGES", ("numpy", "no-such-renderer"))
+    with pytest.raises(RendererMissing, match=r"no-such-renderer.*reflest\[synbrdf\]"):
+        generate(tmp_path / "set", TINY, process_pool(1))
+    assert not (tmp_path / "set").exists()
 
 
 def test_a_folder_without_a_manifest_is_refused(tmp_path):
