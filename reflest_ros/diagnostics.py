@@ -86,6 +86,7 @@ class Diagnostics:
             "matched ratio": f"{_matched_ratio(watched):.3f}",
             "frames matched": str(counts.matched),
             "frames fused": str(counts.fused),
+            "frames redundant": str(counts.redundant),
             "queue": str(session.fusion.waiting),
             "keyframes": str(counts.keyframes),
             "keyframes skipped": str(session.estimation.skipped),

@@ -38,12 +38,14 @@ class Keyframe:
 class FusionCounts:
     """What fusion did so far; written by the worker, read by the diagnostics.
 
+    ``redundant``: frames among the fused that showed nothing new, so that nothing was done.
     ``fill``: share of the store's budget in use. ``exposure_drift``: stops, NaN where unknown.
     """
 
     messages: dict[Role, int] = field(default_factory=lambda: dict.fromkeys(Role, 0))
     matched: int = 0
     fused: int = 0
+    redundant: int = 0
     keyframes: int = 0
     dropped: int = 0
     voxels: int = 0
@@ -203,6 +205,7 @@ class FusionWorker:
                 self._assembler.refuse(refusal)
                 continue
             self.counts.fused += 1
+            self.counts.redundant += scanned.fused.is_redundant
             self.count_store()
             if scanned.keyframe is not None:
                 self.counts.keyframes += 1

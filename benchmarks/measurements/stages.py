@@ -30,7 +30,7 @@ FUSION_STAGES = (
         "TSDF",
         tuple(
             f"reflest_core.fusion.tsdf:TsdfVolume.{name}"
-            for name in ("allocate", "integrate", "extract")
+            for name in ("allocate", "in_sight", "integrate", "extract")
         ),
     ),
     Stage("F and B", ("reflest_core.fusion.scan:foreground_background_means",)),

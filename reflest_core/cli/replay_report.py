@@ -14,9 +14,13 @@ from reflest_core.estimation.settings import ReflestSettings
 
 @dataclass
 class ReplayResult:
-    """What came out: an estimate for each keyframe, and one from the whole scan or why not."""
+    """What came out: an estimate for each keyframe, and one from the whole scan or why not.
+
+    ``fused_count``: frames taken in; ``redundant_count``: those among them that showed nothing new.
+    """
 
     fused_count: int = 0
+    redundant_count: int = 0
     last_fused: Frame | None = None
     estimates: list[BrdfEstimate] = field(default_factory=list)
     final: BrdfEstimate | None = None
@@ -71,7 +75,11 @@ def replay_record(
         "capture": capture.name,
         "model": settings.estimation.model,
         "settings": dataclasses.asdict(settings),
-        "frames": {"seen": capture.frames_seen, "fused": result.fused_count},
+        "frames": {
+            "seen": capture.frames_seen,
+            "fused": result.fused_count,
+            "redundant": result.redundant_count,
+        },
         "estimates": [estimate.to_json() for estimate in result.estimates],
         "final": None if result.final is None else result.final.to_json(),
         "no_estimate": result.no_final,

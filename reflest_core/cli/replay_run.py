@@ -64,6 +64,7 @@ def _scan(capture: Capture, scanner: Scanner, result: ReplayResult) -> None:
                 capture.refuse(refusal)
                 continue
             result.fused_count += 1
+            result.redundant_count += scanned.fused.is_redundant
             result.last_fused = frame
             if scanned.keyframe is None:
                 continue
@@ -91,7 +92,8 @@ def _conclude(capture: Capture, scanner: Scanner, result: ReplayResult) -> None:
 
 
 def _report(capture: Capture, result: ReplayResult) -> None:
-    print(f"{capture.frames_seen} colour images, {result.fused_count} frames fused")
+    redundant = f", {result.redundant_count} of them redundant" if result.redundant_count else ""
+    print(f"{capture.frames_seen} colour images, {result.fused_count} frames fused{redundant}")
     for line in final_lines(result.final) if result.final else []:
         print(line)
     if refused := refusals_line(capture):

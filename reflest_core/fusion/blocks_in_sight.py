@@ -10,14 +10,11 @@ from numpy.typing import NDArray
 from reflest_core.fusion.voxel_key import BLOCK_EDGE, unpack_key
 from reflest_core.jit import compiled
 
-MOST_LOOKED_AT = 8192
-"""Blocks that a frame looks at beyond those near its surface: a larger volume is gone through in
-turns, so that a frame's cost does not grow with what was scanned before."""
-
 
 @compiled
 def blocks_in_sight(
     first: int,
+    most: int,
     keys: NDArray[np.int64],
     last_seen: NDArray[np.int64],
     frame_number: int,
@@ -25,11 +22,12 @@ def blocks_in_sight(
     voxel_size: float,
     width: int,
     height: int,
+    reach: float,
 ) -> NDArray[np.int64]:
-    """Slots, of the ``MOST_LOOKED_AT`` from ``first`` on, that may project into the image.
+    """Slots, of the ``most`` from ``first`` on, that may project into the image.
 
     Going round at the end; blocks already marked as seen in ``frame_number`` are left out. ``P``:
-    (3, 4), world to homogeneous pixels.
+    (3, 4), world to homogeneous pixels. ``reach``: metres of depth beyond which none is wanted.
     """
     count = len(keys)
     radius = 0.5 * math.sqrt(3.0) * (BLOCK_EDGE - 1) * voxel_size
@@ -37,7 +35,7 @@ def blocks_in_sight(
     edge = BLOCK_EDGE * voxel_size
     steepest_u = math.sqrt(P[0, 0] ** 2 + P[0, 1] ** 2 + P[0, 2] ** 2)
     steepest_v = math.sqrt(P[1, 0] ** 2 + P[1, 1] ** 2 + P[1, 2] ** 2)
-    found = np.empty(min(count, MOST_LOOKED_AT), np.int64)
+    found = np.empty(min(count, most), np.int64)
     found_count = 0
     for n in range(len(found)):
         slot = (first + n) % count
@@ -46,7 +44,7 @@ def blocks_in_sight(
         i, j, k = unpack_key(keys[slot])
         x, y, z = i * edge + centre, j * edge + centre, k * edge + centre
         ahead = P[2, 0] * x + P[2, 1] * y + P[2, 2] * z + P[2, 3]
-        if ahead + radius <= 0.0:
+        if ahead + radius <= 0.0 or ahead - radius > reach:
             continue
         # A pixel row or column is a plane through the camera: compare distances to the image's.
         u = P[0, 0] * x + P[0, 1] * y + P[0, 2] * z + P[0, 3]

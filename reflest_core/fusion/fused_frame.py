@@ -10,21 +10,28 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class FusedFrame:
-    """``view``: the id of the view that the frame's observations belong to; None if it saw nothing.
+    """What became of the frame, and what it cost.
 
-    ``is_new_view``: False where the frame was redundant, so that it only filled in what the stored
-    view ``view`` had missed. ``foreground``, ``background``: (3,) float32, F and B of the frame,
-    mean 8-bit colour in [0, 255], NaN where unknown. ``blocks_changed``: TSDF blocks updated.
-    ``voxels_seen``: surface voxels that the frame truly sees. ``observations_kept``: observations
-    added by it.
+    ``view``: the id of the view that the frame's observations belong to; None if it saw nothing.
+    ``is_new_view``: False where it only filled in what the stored view ``view`` had missed.
+    ``is_redundant``: it showed nothing that ``view`` had not (:mod:`redundancy`); the scan is as it
+    was, and the counts below are 0. ``foreground``, ``background``: (3,) float32, F and B of the
+    frame, mean 8-bit colour in [0, 255], NaN where unknown.
+
+    ``blocks_looked_at``: TSDF blocks whose voxels were projected. ``blocks_changed``: those
+    updated. ``surface_voxels``: found in them. ``voxels_seen``: those that the frame truly sees.
+    ``observations_kept``: observations added by it.
     """
 
     stamp_ns: int
     frame_id: str
     view: int | None
     is_new_view: bool
+    is_redundant: bool
     foreground: NDArray[np.float32]
     background: NDArray[np.float32]
+    blocks_looked_at: int
     blocks_changed: int
+    surface_voxels: int
     voxels_seen: int
     observations_kept: int

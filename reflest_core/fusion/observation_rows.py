@@ -166,6 +166,22 @@ def move_keys(
 
 
 @compiled
+def has_seen(
+    rows: ObservationRows, chunks: ObservationChunks, row: int, is_one: NDArray[np.bool_]
+) -> bool:
+    """Whether one of the views marked in ``is_one`` (65536,) observed the row."""
+    chunk, left = rows.first_chunks[row], int(rows.counts[row])
+    while left > 0:
+        in_chunk = (left - 1) % CHUNK + 1
+        for slot in range(in_chunk):
+            if is_one[chunks.view_ids[chunk, slot]]:
+                return True
+        chunk = chunks.after[chunk]
+        left -= in_chunk
+    return False
+
+
+@compiled
 def rows_unseen_from(
     start: int,
     stop: int,
@@ -178,17 +194,9 @@ def rows_unseen_from(
 
     ``is_one``: (65536,) by view id.
     """
-    unseen = np.ones(stop - start, np.bool_)
+    unseen = np.empty(stop - start, np.bool_)
     for n in range(start, stop):
-        row = selected[n]
-        chunk, left = rows.first_chunks[row], int(rows.counts[row])
-        while left > 0 and unseen[n - start]:
-            in_chunk = (left - 1) % CHUNK + 1
-            for slot in range(in_chunk):
-                if is_one[chunks.view_ids[chunk, slot]]:
-                    unseen[n - start] = False
-            chunk = chunks.after[chunk]
-            left -= in_chunk
+        unseen[n - start] = not has_seen(rows, chunks, selected[n], is_one)
     return unseen
 
 

@@ -168,7 +168,7 @@ class ObservationStore:
         """(S,) True for the selected rows that have no observation from any of ``views``."""
         parts = share_out(
             threads, len(selected), LEAST_SHARE, observation_rows.rows_unseen_from, self.rows,
-            self.pool.chunks, selected, _marked(views),
+            self.pool.chunks, selected, marked(views),
         )  # fmt: skip
         return np.concatenate(parts)
 
@@ -190,7 +190,7 @@ class ObservationStore:
 
     def drop_views(self, views: NDArray[np.int64]) -> None:
         """Forget every observation of ``views``."""
-        observation_rows.drop_views(self.rows, self.pool.chunks, self.count, _marked(views))
+        observation_rows.drop_views(self.rows, self.pool.chunks, self.count, marked(views))
 
     def _make_room(self, rows: int, chunks: int, frame_number: int) -> bool:
         """Evict voxels if so many rows or chunks are not free; returns whether any went."""
@@ -207,7 +207,7 @@ class ObservationStore:
         return len(evicted) > 0
 
 
-def _marked(views: NDArray[np.int64]) -> NDArray[np.bool_]:
+def marked(views: NDArray[np.int64]) -> NDArray[np.bool_]:
     """(65536,) True at ``views``."""
     is_one = np.zeros(1 << 16, np.bool_)
     is_one[views] = True

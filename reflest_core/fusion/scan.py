@@ -18,6 +18,7 @@ from reflest_core.fusion.memory_budget import MemoryBudget
 from reflest_core.fusion.observation_chunks import ChunkPool
 from reflest_core.fusion.observation_store import ObservationStore
 from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.fusion.redundancy import redundant_view
 from reflest_core.fusion.region import Region
 from reflest_core.fusion.scan_file import ScanFileError, read_scan, restore_rows, write_scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
@@ -94,20 +95,30 @@ class Scan:
         self._check_overlap(frame, pixels)
         self.last_stamp_ns = self._clock_ns = frame.stamp_ns
         self.frame_id, self.world_frame_id = frame.frame_id, frame.world_frame_id
+        foreground, background = foreground_background_means(frame.rgb, pixels.foreground)
+        view = redundant_view(
+            frame, pixels, self.store, self.views, self.fusion.voxel_size,
+            self.fusion.view_spacing, self.fusion.frames_per_view,
+        )  # fmt: skip
+        if view is not None:
+            return FusedFrame(
+                frame.stamp_ns, frame.frame_id, view, False, True, foreground, background,
+                0, 0, 0, 0, 0,
+            )  # fmt: skip
         self.frame_number += 1
 
         # The surface: fuse the depth, then renew what the store knows of the blocks it changed.
         threads = self.fusion.threads
         near, erased = self.volume.allocate(frame, pixels, self.frame_number)
         self.store.remove(erased)
-        slots = self.volume.integrate(near, frame, pixels, self.frame_number, threads)
-        surface = self.volume.extract(slots, threads)
+        in_sight = self.volume.in_sight(near, frame, self.fusion.max_depth, self.frame_number)
+        changed = self.volume.integrate(in_sight, frame, pixels, self.frame_number, threads)
+        surface = self.volume.extract(changed, threads)
         self.store.move(surface.left, surface.left_to)
         known = self.store.find(surface.keys, threads)
         self.store.refresh(known, surface.positions, surface.normals, threads)
 
         # The observations: a row for each voxel that this view truly sees, then its colour.
-        foreground, background = foreground_background_means(frame.rgb, pixels.foreground)
         seen, colours = visible_voxels(
             surface.positions, surface.normals, frame, pixels, self.fusion, threads
         )
@@ -126,10 +137,11 @@ class Scan:
             unseen = self.store.unseen_from(rows, near, threads)
             is_new_view = len(near) == 0 or bool(unseen.mean() > NEW_SURFACE_SHARE)
             view = self._add_view(frame, foreground, background) if is_new_view else int(near[0])
+            self.views.frames[view] += 1
             kept = self.store.observe(rows[unseen], colours[unseen], view, self.views.centres)
         return FusedFrame(
-            frame.stamp_ns, frame.frame_id, view, is_new_view, foreground, background,
-            len(slots), len(seen), kept,
+            frame.stamp_ns, frame.frame_id, view, is_new_view, False, foreground, background,
+            len(in_sight), len(changed), len(surface.keys), len(seen), kept,
         )  # fmt: skip
 
     def snapshot(self) -> ObservedSurface:

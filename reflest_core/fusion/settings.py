@@ -33,6 +33,11 @@ class FusionSettings:
         " unless it shows new surface.",
         unit="degrees", minimum=0.0, maximum=45.0,
     )  # fmt: skip
+    frames_per_view: int = parameter(
+        8, "Frames fused from about the same view; further ones that show nothing new are redundant"
+        " and skipped.",
+        minimum=1, maximum=1000000,
+    )  # fmt: skip
     max_grazing_angle: float = parameter(
         75.0, "A view further from the normal than this does not see a voxel.",
         unit="degrees", minimum=10.0, maximum=89.0,

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.block_allocation import allocate_blocks, pixel_stride
 from reflest_core.fusion.block_erasure import erase_blocks, surface_keys
-from reflest_core.fusion.blocks_in_sight import MOST_LOOKED_AT, blocks_in_sight
+from reflest_core.fusion.blocks_in_sight import blocks_in_sight
 from reflest_core.fusion.foreground import FramePixels
 from reflest_core.fusion.integration import integrate_blocks
 from reflest_core.fusion.key_index import BYTES_PER_ROW, KeyIndex, are_unique_keys
@@ -30,6 +30,10 @@ BYTES_PER_BLOCK = BLOCK_EDGE**3 * (4 + 2 + 1) + 8 + 8 + BYTES_PER_ROW
 
 ERASED_SHARE = 8
 """Room is made for this fraction (one eighth) of the capacity at a time."""
+
+MOST_LOOKED_AT = 8192
+"""Blocks that a frame looks at beyond those near its surface: a larger volume is gone through in
+turns, so that a frame's cost does not grow with what was scanned before."""
 
 LEAST_SHARE = 64
 """Fewer blocks than this are not worth waking another thread."""
@@ -128,30 +132,34 @@ class TsdfVolume:
             touched[:touched_count] = seen
         return touched[:touched_count].copy(), np.concatenate(erased)
 
+    def in_sight(
+        self, near: NDArray[np.int64], frame: Frame, max_depth: float, frame_number: int
+    ) -> NDArray[np.int64]:
+        """Slots, ascending, of the blocks ``near`` and of others that may appear in the image.
+
+        ``near``: blocks around the surface that the frame shows (:meth:`allocate`).
+        ``max_depth``: metres beyond which no surface is fused.
+        """
+        beside = blocks_in_sight(
+            frame_number * MOST_LOOKED_AT, MOST_LOOKED_AT, self.blocks.keys[: self.count],
+            self.blocks.last_seen, frame_number, _projection(frame), self.voxel_size,
+            frame.intrinsics.width, frame.intrinsics.height, max_depth + self.truncation,
+        )  # fmt: skip
+        return np.sort(np.concatenate([near, beside]))
+
     def integrate(
         self,
-        near: NDArray[np.int64],
+        slots: NDArray[np.int64],
         frame: Frame,
         pixels: FramePixels,
         frame_number: int,
         threads: int,
     ) -> NDArray[np.int64]:
-        """Fuse the frame's depth; return the slots of the blocks that changed, ascending.
-
-        ``near``: slots of the blocks around the surface that the frame shows (:meth:`allocate`).
-        """
-        T_camera_world = np.linalg.inv(frame.T_world_camera)
-        P = kernel_array(frame.intrinsics.matrix @ T_camera_world[:3], np.float64)
-        height, width = pixels.depth.shape
-        beside = blocks_in_sight(
-            frame_number * MOST_LOOKED_AT, self.blocks.keys[: self.count],
-            self.blocks.last_seen, frame_number, P, self.voxel_size, width, height,
-        )  # fmt: skip
-        slots = np.sort(np.concatenate([near, beside]))
+        """Fuse the frame's depth into the blocks ``slots``; return those that changed."""
         changed = share_out(
             threads, len(slots), LEAST_SHARE, integrate_blocks, slots, pixels.depth,
-            pixels.steepness, pixels.gain, pixels.free_depth, P, self.voxel_size, self.truncation,
-            self.blocks, frame_number,
+            pixels.steepness, pixels.gain, pixels.free_depth, _projection(frame), self.voxel_size,
+            self.truncation, self.blocks, frame_number,
         )  # fmt: skip
         return np.concatenate(changed)
 
@@ -164,3 +172,10 @@ class TsdfVolume:
         update = SurfaceUpdate(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
         settle_left(update.left_to, self.blocks)
         return update
+
+
+def _projection(frame: Frame) -> NDArray[np.float64]:
+    """(3, 4): world to homogeneous pixels."""
+    return kernel_array(
+        frame.intrinsics.matrix @ np.linalg.inv(frame.T_world_camera)[:3], np.float64
+    )

@@ -17,7 +17,7 @@ FORGOTTEN_SHARE = 8
 
 _FREE = -1
 
-BYTES_PER_VIEW = 3 * 12 + 8 + 8
+BYTES_PER_VIEW = 3 * 12 + 8 + 8 + 4
 
 
 class ViewTable:
@@ -26,7 +26,7 @@ class ViewTable:
     ``centres``: (W, 3) float32, camera centres in the world frame, metres. ``foreground``,
     ``background``: (W, 3) float32, F and B, mean 8-bit colour, NaN where unknown. ``stamps``: (W,)
     int64, nanoseconds. ``order``: (W,) int64, rising in the order of storing; -1 where no view is
-    any more.
+    any more. ``frames``: (W,) int32, frames fused of which it was the nearest view.
     """
 
     def __init__(self, capacity: int = VIEW_CAPACITY) -> None:
@@ -37,6 +37,7 @@ class ViewTable:
         self.background: NDArray[np.float32] = np.zeros((capacity, 3), np.float32)
         self.stamps: NDArray[np.int64] = np.zeros(capacity, np.int64)
         self.order: NDArray[np.int64] = np.zeros(capacity, np.int64)
+        self.frames: NDArray[np.int32] = np.zeros(capacity, np.int32)
 
     @property
     def nbytes(self) -> int:
@@ -46,7 +47,7 @@ class ViewTable:
     @property
     def arrays(self) -> Mapping[str, NDArray[Any]]:
         """The arrays that make up the table, at full capacity."""
-        names = ("centres", "foreground", "background", "stamps", "order")
+        names = ("centres", "foreground", "background", "stamps", "order", "frames")
         return {name: getattr(self, name) for name in names}
 
     def near(
@@ -94,6 +95,7 @@ class ViewTable:
         self.background[view] = background
         self.stamps[view] = stamp_ns
         self.order[view] = newest + 1
+        self.frames[view] = 0
         return view
 
     @property

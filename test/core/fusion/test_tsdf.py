@@ -31,7 +31,8 @@ def fuse(volume, frames):
         pixels = classify_pixels(frame, NO_REGION, SETTINGS)
         near, gone = volume.allocate(frame, pixels, number)
         erased.extend(gone.tolist())
-        volume.extract(volume.integrate(near, frame, pixels, number, THREADS), THREADS)
+        slots = volume.in_sight(near, frame, SETTINGS.max_depth, number)
+        volume.extract(volume.integrate(slots, frame, pixels, number, THREADS), THREADS)
     return volume.extract(np.arange(volume.count), THREADS), erased
 
 
@@ -87,8 +88,8 @@ def test_voxels_that_leave_are_told_with_where_their_surface_went():
     nearer = Sphere((0.006, 0.0, 0.0), 0.1)
     frame = render([nearer], look_at((0.5, 0.0, 0.0)), 1)
     pixels = classify_pixels(frame, NO_REGION, SETTINGS)
-    slots = volume.integrate(np.empty(0, np.int64), frame, pixels, 2, THREADS)
-    change = volume.extract(slots, THREADS)
+    slots = volume.in_sight(np.empty(0, np.int64), frame, SETTINGS.max_depth, 2)
+    change = volume.extract(volume.integrate(slots, frame, pixels, 2, THREADS), THREADS)
     # The mean surface has moved 3 mm towards the camera: more than half a voxel.
     facing = {k: p for k, p in zip(first.keys, first.positions, strict=True) if p[0] > 0.09}
     left = set(change.left.tolist())
