@@ -13,6 +13,9 @@ from reflest_core.jit import compiled, kernel_array
 
 SIZE = 96
 """Texels along an edge of the octahedral map: 2.1 degrees each, in the mean."""
+BYTES_OF_LIGHT = SIZE * SIZE * 5 * 4
+LONGEST_MEMORY = 4096.0
+"""Pixels of a texel after which its sums are halved, so that light that changes is followed."""
 
 _LINEAR = np.asarray(srgb.decode(np.arange(256) / 255.0), np.float32)
 
@@ -62,6 +65,16 @@ class LightMap:
             self.radiance_sum, self.count, self.clipped_count,
         )  # fmt: skip
 
+    @property
+    def arrays(self) -> dict[str, NDArray[np.float32]]:
+        """The sums by name, for saving and restoring."""
+        return dict(vars(self))
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the sums."""
+        return sum(array.nbytes for array in self.arrays.values())
+
     def observed(self) -> ObservedLight:
         """The mean of what was added, a copy."""
         count = np.maximum(self.count, np.float32(1.0))
@@ -94,3 +107,7 @@ def _accumulate(
             is_clipped |= value == 255
         if is_clipped:
             clipped_count[row, column] += 1.0
+        if count[row, column] >= LONGEST_MEMORY:
+            count[row, column] *= 0.5
+            clipped_count[row, column] *= 0.5
+            radiance_sum[row, column] *= 0.5

@@ -1,15 +1,16 @@
 """How ``memory_budget_mb`` is shared between the volume, the observation store and the views.
 
-The view table takes a fixed part. The rest is split so that every TSDF block comes with rows for
-the surface voxels that a block of a smooth surface holds on average, blocks without surface
-included, and every row with chunks for a voxel that is often seen. The frame that is being fused
-and snapshots are not in the budget, but bounded too (``WORKING_MB``).
+The view table and the light map take fixed parts. The rest is split so that every TSDF block comes
+with rows for the surface voxels that a block of a smooth surface holds on average, blocks without
+surface included, and every row with chunks for a voxel that is often seen. The frame that is being
+fused and snapshots are not in the budget, but bounded too (``WORKING_MB``).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from reflest_core.fusion.light_map import BYTES_OF_LIGHT
 from reflest_core.fusion.observation_chunks import BYTES_PER_CHUNK, CHUNK
 from reflest_core.fusion.observation_store import BYTES_PER_VOXEL
 from reflest_core.fusion.settings import FusionSettings
@@ -38,7 +39,8 @@ class MemoryBudget:
     @classmethod
     def from_settings(cls, settings: FusionSettings) -> MemoryBudget:
         """The capacities that ``memory_budget_mb`` (of 10^6 bytes) pays for."""
-        budget = int(settings.memory_budget_mb * 1e6) - VIEW_CAPACITY * BYTES_PER_VIEW
+        fixed = VIEW_CAPACITY * BYTES_PER_VIEW + BYTES_OF_LIGHT
+        budget = int(settings.memory_budget_mb * 1e6) - fixed
         chunks = -(-min(OBSERVATIONS_PER_VOXEL, settings.observations_per_voxel) // CHUNK)
         row = BYTES_PER_VOXEL + BYTES_PER_CHUNK * chunks
         blocks = budget // (BYTES_PER_BLOCK + SURFACE_VOXELS_PER_BLOCK * row)

@@ -6,11 +6,12 @@ of feature code.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.fusion.light_map import ObservedLight
 from reflest_core.jit import compiled
 
 
@@ -23,7 +24,8 @@ class ObservedSurface:
     ``colours``: (O, 3) uint8, 8-bit sRGB. ``view_indices``: (O,) uint16 into the view arrays.
     ``view_centres``: (W, 3) float32, camera centres in the world frame, metres.
     ``view_foreground``, ``view_background``: (W, 3) float32, mean 8-bit colour F and B in
-    [0, 255]; NaN where a view has no such pixels.
+    [0, 255]; NaN where a view has no such pixels. ``light``: what the background showed of the
+    environment; None where it was not gathered.
     """
 
     positions: NDArray[np.float32]
@@ -34,6 +36,7 @@ class ObservedSurface:
     view_centres: NDArray[np.float32]
     view_foreground: NDArray[np.float32]
     view_background: NDArray[np.float32]
+    light: ObservedLight | None = None
 
     @property
     def voxel_count(self) -> int:
@@ -65,3 +68,7 @@ def _distinct(indices: NDArray[np.uint16], limit: int) -> int:
     for index in indices:
         is_there[index] = True
     return int(is_there.sum())
+
+
+SURFACE_ARRAYS = tuple(f.name for f in fields(ObservedSurface) if f.name != "light")
+"""Names of the arrays, which files store one by one."""

@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.errors import ReflestError
+from reflest_core.fusion.background_light import background_pixels
 from reflest_core.fusion.colour_statistics import foreground_background_means
 from reflest_core.fusion.foreground import FramePixels, classify_pixels
 from reflest_core.fusion.fused_frame import FusedFrame
+from reflest_core.fusion.light_map import LightMap
 from reflest_core.fusion.memory_budget import MemoryBudget
 from reflest_core.fusion.observation_chunks import ChunkPool
 from reflest_core.fusion.observation_store import ObservationStore
@@ -60,6 +62,7 @@ class Scan:
                 "can give: lower it"
             ) from None
         self.views = ViewTable(budget.views)
+        self.light = LightMap()
         self.frame_number = 0
         self.last_stamp_ns: int | None = None
         self.frame_id = ""
@@ -118,6 +121,11 @@ class Scan:
         known = self.store.find(surface.keys, threads)
         self.store.refresh(known, surface.positions, surface.normals, threads)
 
+        # The light: the background's colours, in the directions in which the object sees them.
+        if len(surface.positions):
+            centre = surface.positions.mean(axis=0, dtype=np.float64)
+            self.light.add(*background_pixels(frame, pixels.foreground, pixels.depth, centre))
+
         # The observations: a row for each voxel that this view truly sees, then its colour.
         seen, colours = visible_voxels(
             surface.positions, surface.normals, frame, pixels, self.fusion, threads
@@ -146,7 +154,8 @@ class Scan:
 
     def snapshot(self) -> ObservedSurface:
         """A copy of what has been observed, of bounded size (``snapshot.MOST_VOXELS``)."""
-        return observed_surface(self.store, self.views)
+        surface = observed_surface(self.store, self.views)
+        return dataclasses.replace(surface, light=self.light.observed())
 
     def save(self, path: Path | str) -> None:
         """Write the scan to one file, replacing it whole or not at all."""
@@ -163,6 +172,7 @@ class Scan:
             for part, stage in self._stages()
             for name, array in stage.arrays.items()
         }
+        arrays |= {f"light_{name}": array for name, array in self.light.arrays.items()}
         write_scan(Path(path), header, arrays)
 
     @classmethod
@@ -185,6 +195,7 @@ class Scan:
                 part: restore_rows(f"{part}_", stage.arrays, arrays)
                 for part, stage in scan._stages()
             }
+            restore_rows("light_", scan.light.arrays, arrays)
             scan.views.count = counts["views"]
             scan.volume.restore(counts["volume"])
             scan.store.restore(counts["store"], counts["chunks"], counts["views"])
@@ -215,8 +226,8 @@ class Scan:
 
     @property
     def nbytes(self) -> int:
-        """Bytes reserved by volume, store and views; at most ``memory_budget_mb``."""
-        return self.volume.nbytes + self.store.nbytes + self.views.nbytes
+        """Bytes reserved by volume, store, views and light; at most ``memory_budget_mb``."""
+        return self.volume.nbytes + self.store.nbytes + self.views.nbytes + self.light.nbytes
 
     @property
     def fill(self) -> float:

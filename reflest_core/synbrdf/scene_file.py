@@ -17,7 +17,7 @@ from safetensors.numpy import save
 
 from reflest_core.brdf.parameters import WardParameters, WardVariant
 from reflest_core.errors import ReflestError
-from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.fusion.observed_surface import SURFACE_ARRAYS, ObservedSurface
 from reflest_core.synbrdf.thumbnails import Thumbnails
 
 FORMAT = "synbrdf-sparse-2"
@@ -59,8 +59,8 @@ def shard_bytes(scenes: list[SynbrdfScene]) -> bytes:
     arrays: dict[str, NDArray[Any]] = {}
     cards = []
     for number, scene in enumerate(scenes):
-        for field in fields(ObservedSurface):
-            arrays[f"{number:03d}/{field.name}"] = getattr(scene.surface, field.name)
+        for name in SURFACE_ARRAYS:
+            arrays[f"{number:03d}/{name}"] = getattr(scene.surface, name)
         thumbnails = scene.thumbnails
         arrays[f"{number:03d}/radiance"] = scene.radiance
         arrays[f"{number:03d}/rgbe"] = thumbnails.rgbe
@@ -133,10 +133,7 @@ def _card(scene: SynbrdfScene) -> dict[str, Any]:
 
 
 def _scene(file: Any, number: int, card: dict[str, Any]) -> SynbrdfScene:
-    arrays = {
-        field.name: file.get_tensor(f"{number:03d}/{field.name}")
-        for field in fields(ObservedSurface)
-    }
+    arrays = {name: file.get_tensor(f"{number:03d}/{name}") for name in SURFACE_ARRAYS}
     truth = card.pop("truth")
     red, green, blue = truth["rho_d"]
     ward = WardParameters(

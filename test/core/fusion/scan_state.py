@@ -17,6 +17,7 @@ def state_of(scan):
         if name != "first_chunks"  # where observations lie may differ; what they are may not
     }
     arrays["colours"], arrays["view_ids"] = scan.store.observations(np.arange(scan.store.count))
+    arrays |= {f"light.{name}": array.copy() for name, array in scan.light.arrays.items()}
     arrays["numbers"] = np.array([scan.frame_number, scan.last_stamp_ns or -1])
     return arrays
 
@@ -28,7 +29,9 @@ def assert_same_arrays(one, other):
 
 
 def assert_same_surface(one, other):
-    assert_same_arrays(dataclasses.asdict(one), dataclasses.asdict(other))
+    one, other = dataclasses.asdict(one), dataclasses.asdict(other)
+    assert_same_arrays(one.pop("light"), other.pop("light"))
+    assert_same_arrays(one, other)
 
 
 def assert_no_ghosts(scan):
