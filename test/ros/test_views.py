@@ -31,7 +31,10 @@ def shown(node, peer, start, sphere_bag):
     player = start("reflest_ros.bag_player", sphere_bag, "--rate", "4")
     assert player.exit_code() == 0, player.output
     peer.wait_for_count("frames fused", FRAMES)
-    peer.call(Estimate, "estimate")
+    asked_for = peer.call(Estimate, "estimate").estimate.header.stamp
+    peer.wait_until(
+        lambda: peer.estimates[-1].stamp_ns == stamp_to_ns(asked_for), "no estimate on the topic"
+    )
     messages = {topic: peer.listen(kind, topic) for topic, kind in TOPICS.items()}
     for topic, received in messages.items():
         peer.wait_until(lambda r=received: bool(r), f"nothing on {topic}")
