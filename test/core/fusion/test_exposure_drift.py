@@ -17,6 +17,8 @@ def table(foreground, background, capacity=None):
     views = ViewTable(capacity or len(foreground))
     for f, b in zip(foreground, background, strict=True):
         colours = [np.full(3, 255.0 * encode(np.float64(x)), np.float32) for x in (f, b)]
+        if views.is_full:
+            views.forget(views.oldest())
         views.put(np.zeros(3), *colours, 0)
     return views
 
