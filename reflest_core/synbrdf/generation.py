@@ -9,6 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from reflest_core.errors import ReflestError
 from reflest_core.synbrdf.environments import EnvironmentSource, find_environments, procedural_skies
 from reflest_core.synbrdf.metering import Metering
 from reflest_core.synbrdf.mitsuba_runtime import missing_package
@@ -24,6 +25,10 @@ SKIES = 24
 """Procedural environments, where no folder of environments is given."""
 PACKAGES = ("mitsuba", "drjit", "karellen-llvm-core", "numpy", "scipy", "scikit-image")
 """Libraries whose versions may change the bytes."""
+
+
+class GenerationRefused(ReflestError):
+    """A data set was asked for that cannot be made."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +51,18 @@ class Generation:
     without: tuple[str, ...] = ()
     realism: Realism | None = None
     metering: Metering = Metering.FRAME
+
+    def __post_init__(self) -> None:
+        bounds = {
+            "seed": (self.seed, 0, 2**63),
+            "points": (self.points, 1, 100_000),
+            "views": (self.views, 1, 65_535),
+            "samples": (self.samples, 1, 65_536),
+            **{split: (count, 0, 10_000_000) for split, count in self.scenes.items()},
+        }
+        for name, (value, low, high) in bounds.items():
+            if not low <= value <= high:
+                raise GenerationRefused(f"--{name} is {value}, but must be {low} to {high}")
 
     def sources(self, split: Split) -> Sources:
         """The environments and meshes of one split."""

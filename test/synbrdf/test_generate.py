@@ -176,6 +176,16 @@ def test_a_damaged_shard_of_a_finished_set_is_found_and_mended(generated, tmp_pa
     assert hashes(folder) == hashes(generated)
 
 
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [("--jobs", "0"), ("--views", "0"), ("--points", "-1"), ("--train", "-3"), ("--seed", "-1")],
+)
+def test_an_impossible_set_is_refused(option, value, tmp_path, capsys):
+    assert main(["synbrdf", "generate", "--out", str(tmp_path / "set"), option, value]) == 2
+    assert f"{option} is {value}, but must be" in capsys.readouterr().err
+    assert not (tmp_path / "set").exists()
+
+
 def test_a_missing_library_is_named(monkeypatch, tmp_path):
     monkeypatch.setattr(generation, "PACKAGES", ("numpy", "no-such-renderer"))
     with pytest.raises(RendererMissing, match=r"no-such-renderer.*reflest\[synbrdf\]"):

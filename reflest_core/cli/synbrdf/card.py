@@ -31,24 +31,38 @@ def add_parser(products: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write what was asked for."""
+    from reflest_core.synbrdf.whole_folder import FolderUnwritable
+
+    try:
+        arguments.out.mkdir(parents=True, exist_ok=True)
+        if arguments.data is not None:
+            _write_figures(arguments.data, arguments.out)
+        if arguments.contact_sheet is not None:
+            _write_contact_sheet(arguments)
+    except OSError as error:
+        raise FolderUnwritable(
+            f"{arguments.out} cannot be written ({error.strerror}): choose another --out"
+        ) from error
+    return 0
+
+
+def _write_figures(data: Path, out: Path) -> None:
+    from reflest_core.synbrdf.card.histograms import draw_captures, draw_materials
+    from reflest_core.synbrdf.card.numbers import clipping, table
     from reflest_core.synbrdf.card.summary import summarise
 
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    if arguments.data is not None:
-        from reflest_core.synbrdf.card.histograms import draw_captures, draw_materials
-        from reflest_core.synbrdf.card.numbers import clipping, table
+    scenes = summarise(data, SPLITS)
+    draw_materials(scenes, out / "materials.png")
+    draw_captures(scenes, out / "captures.png")
+    text = f"# SynBRDF in numbers\n\n{table(scenes)}\nClipping: {clipping(scenes)}"
+    (out / "numbers.md").write_text(text)
 
-        scenes = summarise(arguments.data, SPLITS)
-        draw_materials(scenes, arguments.out / "materials.png")
-        draw_captures(scenes, arguments.out / "captures.png")
-        text = f"# SynBRDF in numbers\n\n{table(scenes)}\nClipping: {clipping(scenes)}"
-        (arguments.out / "numbers.md").write_text(text)
-    if arguments.contact_sheet is not None:
-        from reflest_core.synbrdf.card.contact_sheet import contact_sheet
-        from reflest_core.synbrdf.image_files import write_rgb
-        from reflest_core.synbrdf.splits import Split
 
-        split = Split(arguments.contact_sheet)
-        sheet = contact_sheet(generation_of(arguments), split, ROWS, COLUMNS)
-        write_rgb(arguments.out / f"contact-sheet-{split.value}.jpg", sheet, QUALITY)
-    return 0
+def _write_contact_sheet(arguments: argparse.Namespace) -> None:
+    from reflest_core.synbrdf.card.contact_sheet import contact_sheet
+    from reflest_core.synbrdf.image_files import write_rgb
+    from reflest_core.synbrdf.splits import Split
+
+    split = Split(arguments.contact_sheet)
+    sheet = contact_sheet(generation_of(arguments), split, ROWS, COLUMNS)
+    write_rgb(arguments.out / f"contact-sheet-{split.value}.jpg", sheet, QUALITY)

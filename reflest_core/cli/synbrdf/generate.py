@@ -30,8 +30,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Generate until every shard is there."""
     from reflest_core.synbrdf.dask_cluster import dask_cluster
     from reflest_core.synbrdf.generate import generate
+    from reflest_core.synbrdf.generation import GenerationRefused
     from reflest_core.synbrdf.process_pool import process_pool
 
+    if arguments.jobs < 1:
+        raise GenerationRefused(f"--jobs is {arguments.jobs}, but must be 1 or more")
     generation = generation_of(arguments, arguments.points, arguments.samples)
     if arguments.scheduler is None:
         workers = process_pool(arguments.jobs)
