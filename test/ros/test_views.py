@@ -31,9 +31,9 @@ def shown(node, peer, start, sphere_bag):
     player = start("reflest_ros.bag_player", sphere_bag, "--rate", "4")
     assert player.exit_code() == 0, player.output
     peer.wait_for_count("frames fused", FRAMES)
-    asked_for = peer.call(Estimate, "estimate").estimate.header.stamp
+    asked_for = stamp_to_ns(peer.call(Estimate, "estimate").estimate.header.stamp)
     peer.wait_until(
-        lambda: peer.estimates[-1].stamp_ns == stamp_to_ns(asked_for), "no estimate on the topic"
+        lambda: [one.stamp_ns for one in peer.estimates[-1:]] == [asked_for], "no estimate came"
     )
     messages = {topic: peer.listen(kind, topic) for topic, kind in TOPICS.items()}
     for topic, received in messages.items():
