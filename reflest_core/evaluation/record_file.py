@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
+import re
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,8 @@ import numpy as np
 
 from reflest_core.evaluation.contenders import EvaluationError
 from reflest_core.synbrdf.scene_file import MANIFEST
+
+NUMBERS = re.compile(r"\[([-+.\deE,\s]+)\]")
 
 
 @dataclass(frozen=True)
@@ -31,11 +34,12 @@ def provenance_of(command: str, data: Path) -> Provenance:
 
 
 def write_record(path: Path, provenance: Provenance, figures: dict[str, Any]) -> None:
-    """Write atomically."""
+    """Write atomically; a list of numbers stays on one line."""
     record = {"provenance": dataclasses.asdict(provenance), **figures}
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_suffix(".partial")
-    temporary.write_text(json.dumps(record, indent=1, default=_plain) + "\n")
+    text = json.dumps(record, indent=1, default=_plain)
+    temporary.write_text(NUMBERS.sub(_on_one_line, text) + "\n")
     os.replace(temporary, path)
 
 
@@ -48,6 +52,10 @@ def read_record(path: Path) -> dict[str, Any] | None:
     except ValueError as error:
         raise EvaluationError(f"{path} is damaged ({error}); delete it and run again") from error
     return record
+
+
+def _on_one_line(numbers: re.Match[str]) -> str:
+    return "[" + ", ".join(number.strip() for number in numbers[1].split(",")) + "]"
 
 
 def _plain(value: Any) -> Any:

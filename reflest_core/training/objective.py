@@ -16,7 +16,7 @@ SMALLEST_ALPHA = 0.01
 """CubeRoot evaluates BRDFs: sharper lobes than this would drown its gradient."""
 
 QUADRATURE = (32, 6, 6)
-"""A sixth of the usual nodes: CubeRoot of pairs of SynBRDF materials moves by 0.2 % (at most 1 %)."""
+"""A sixth of the usual nodes: CubeRoot of two SynBRDF materials moves by 0.2 %, at most 1 %."""
 
 
 class Objective:
