@@ -70,7 +70,7 @@ class SceneImages:
                     f"{folder} was made with other options: use the same or another --out"
                 )
             return folder
-        faults, noise = self._faults(scene, overview)
+        faults, noise = self.faults(scene, overview)
         with whole_folder(folder) as unfinished:
             unfinished.mkdir()
             np.savetxt(unfinished / INTRINSICS, self.camera.matrix, fmt="%.9g")
@@ -95,7 +95,7 @@ class SceneImages:
             overview.rendered, scene.light.radiance, scene.poses[view], seed
         )
 
-    def _faults(
+    def faults(
         self, scene: Scene, overview: Overview
     ) -> tuple[CameraFaults | None, list[np.random.Generator]]:
         """What the sparse scene suffers, and for each view a stream of its own noise."""

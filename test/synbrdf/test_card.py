@@ -10,9 +10,12 @@ pytest.importorskip("mitsuba")
 
 from reflest_core.cli.main import main
 from reflest_core.synbrdf.card.contact_sheet import TILE, contact_sheet
+from reflest_core.synbrdf.card.image_strip import TILE as STRIP_TILE
+from reflest_core.synbrdf.card.image_strip import image_strip
 from reflest_core.synbrdf.card.numbers import clipping, table
 from reflest_core.synbrdf.card.summary import SceneSummary
 from reflest_core.synbrdf.generation import Generation
+from reflest_core.synbrdf.realism.settings import Realism
 from reflest_core.synbrdf.scene_file import save_shard
 from reflest_core.synbrdf.splits import Split
 from test.synbrdf.realism.sparse_scenes import ball_scene
@@ -56,3 +59,20 @@ def test_a_contact_sheet_shows_scenes_and_depth():
     assert inset.min() == 0
     assert inset.max() > 100
     assert sheet[TILE[1] :].std() > 10
+
+
+def test_a_strip_shows_clean_and_degraded_images():
+    generation = Generation(
+        3, {"train": 4, "validation": 2, "unseen": 2}, views=4, realism=Realism()
+    )
+    strip = image_strip(generation, Split.TRAIN, [1], view=0, samples=4)
+    width, height = STRIP_TILE
+    assert strip.shape == (height, 7 * width, 3)
+    colour, dark, depth, normals, mask, real, measured = np.split(strip.astype(int), 7, axis=1)
+    assert dark.mean() < colour.mean()
+    assert set(np.unique(mask[..., 0])) >= {0, 255}
+    assert (depth[mask[..., 0] == 0] == 0).all()
+    # Zero off the object, where no normal is.
+    assert np.abs(normals[mask[..., 0] == 0] - 128).max() <= 1
+    assert np.abs(real - colour).max() > 3
+    assert np.abs(measured - depth).max() > 3

@@ -25,6 +25,9 @@ def add_parser(products: Any) -> None:
     parser.add_argument(
         "--contact-sheet", choices=SPLITS, help="render the first views of scenes of this split"
     )
+    parser.add_argument(
+        "--full-images", metavar="RANGE", help="render what full images hold, of training scenes"
+    )
     add_set_options(parser)
     parser.set_defaults(run=run)
 
@@ -39,6 +42,8 @@ def run(arguments: argparse.Namespace) -> int:
             _write_figures(arguments.data, arguments.out)
         if arguments.contact_sheet is not None:
             _write_contact_sheet(arguments)
+        if arguments.full_images is not None:
+            _write_image_strip(arguments)
     except OSError as error:
         raise FolderUnwritable(
             f"{arguments.out} cannot be written ({error.strerror}): choose another --out"
@@ -66,3 +71,20 @@ def _write_contact_sheet(arguments: argparse.Namespace) -> None:
     split = Split(arguments.contact_sheet)
     sheet = contact_sheet(generation_of(arguments), split, ROWS, COLUMNS)
     write_rgb(arguments.out / f"contact-sheet-{split.value}.jpg", sheet, QUALITY)
+
+
+def _write_image_strip(arguments: argparse.Namespace) -> None:
+    import dataclasses
+
+    from reflest_core.synbrdf.card.image_strip import image_strip
+    from reflest_core.synbrdf.image_files import write_rgb
+    from reflest_core.synbrdf.index_ranges import parse_indices
+    from reflest_core.synbrdf.realism.settings import Realism
+    from reflest_core.synbrdf.splits import Split
+
+    generation = generation_of(arguments)
+    generation = dataclasses.replace(generation, realism=generation.realism or Realism())
+    count = generation.scenes[Split.TRAIN.value]
+    indices = parse_indices(arguments.full_images, count, "full-images")
+    strip = image_strip(generation, Split.TRAIN, indices, view=0)
+    write_rgb(arguments.out / "full-images.jpg", strip, QUALITY)
