@@ -9,13 +9,13 @@ from dataclasses import dataclass
 class Plan:
     """Sizes of the measurements.
 
-    ``frame_path``: frames through the whole path. ``peer_frames``: those that Open3D fuses too.
-    ``memory_frames``: frames whose stages' memory is measured, untimed.
-    ``estimates``: of each model; ``growth_estimates``: of each model and
-    size. ``voxel_sizes``: mm. ``store_voxels``: sizes of a store, at
-    ``store_voxel_size`` mm. ``view_counts``: views of a scan. ``growth_frames``: for each voxel
-    size, resolution and region. ``starts``: fresh processes that start up. ``live_seconds``: of the
-    bag that is played to the node.
+    ``frame_path``: frames through the whole path; ``peer_frames``: those that Open3D fuses too;
+    ``memory_frames``: those whose stages' memory is measured, untimed. ``estimates``: of each
+    model; ``growth_estimates``: of each model and size. ``growth_frames``: for each of the
+    ``voxel_sizes`` (mm), ``resolutions`` and regions. ``store_voxels``: sizes of a store at
+    ``store_voxel_size`` mm. ``view_counts``: views of a scan. ``memory_strip``: frames along a floor
+    too large for ``memory_budget_mb``. ``starts``: fresh processes that start up.
+    ``live_seconds``: of the bag that is played to the node.
     """
 
     resolution: tuple[int, int] = (640, 480)
@@ -33,6 +33,8 @@ class Plan:
     store_voxel_size: float = 5.0
     view_counts: tuple[int, ...] = (10, 100, 1000)
     starts: int = 3
+    memory_strip: int = 60
+    memory_budget_mb: float = 128.0
     live_seconds: float = 60.0
 
     @property
@@ -52,6 +54,7 @@ QUICK = Plan(
     store_voxels=(10_000, 100_000),
     view_counts=(10, 100),
     starts=1,
+    memory_strip=20,
     live_seconds=10.0,
 )
 TINY = Plan(
@@ -70,6 +73,8 @@ TINY = Plan(
     store_voxel_size=20.0,
     view_counts=(3, 6),
     starts=1,
+    memory_strip=4,
+    memory_budget_mb=32.0,
     live_seconds=3.0,
 )
 """Shows that everything is measured, not how fast it is."""

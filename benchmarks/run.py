@@ -57,6 +57,11 @@ def run(plan: Plan, cache: Path, capture: Path | None = None) -> dict[str, Any]:
         voxel_size_mm=plan.store_voxel_size, view_counts=plan.view_counts,
         estimates=plan.growth_estimates,
     )  # fmt: skip
+    _say("memory")
+    results["memory"] = measured(
+        f"{MEASUREMENTS}.memory", most, frames=plan.memory_strip, budget_mb=plan.memory_budget_mb,
+        voxel_size_mm=plan.store_voxel_size,
+    )  # fmt: skip
     _say("start-up and replay")
     results["start_up"] = measured(
         f"{MEASUREMENTS}.start_up", most, capture=bag, starts=plan.starts

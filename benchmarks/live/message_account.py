@@ -19,7 +19,8 @@ def account(frames: int, diagnostics: Mapping[str, str], latencies: list[float])
 
     ``frames``: played, each one message of every role; each is fused, skipped as redundant or lost.
     Messages are lost to overload on their way or at the queue; what is left of their frames is then
-    refused, as its partners are missing. ``latencies``: seconds.
+    refused, as its partners are missing. The node counts redundant frames among the fused.
+    ``latencies``: seconds.
     """
     received = {role: _count(diagnostics, f"messages {role}") for role in ROLES}
     refused = {
@@ -29,16 +30,16 @@ def account(frames: int, diagnostics: Mapping[str, str], latencies: list[float])
     }
     lost = {"on the way (DDS)": sum(frames - number for number in received.values())}
     lost |= {cause: refused.get(cause, 0) for cause in OVERLOAD}
-    fused, redundant = (_count(diagnostics, f"frames {name}") for name in ("fused", "redundant"))
+    taken, redundant = (_count(diagnostics, f"frames {name}") for name in ("fused", "redundant"))
     timing = Timing.of("estimate latency", latencies) if latencies else None
     return {
         "messages_sent": frames * len(ROLES),
         "messages_received": sum(received.values()),
         "frames_played": frames,
         "frames_matched": _count(diagnostics, "frames matched"),
-        "frames_fused": fused,
+        "frames_fused": taken - redundant,
         "frames_redundant": redundant,
-        "frames_lost": frames - fused - redundant,
+        "frames_lost": frames - taken,
         "messages_lost": lost,
         "refused": {cause: number for cause, number in refused.items() if cause not in OVERLOAD},
         "keyframes": _count(diagnostics, "keyframes"),

@@ -14,6 +14,7 @@ from benchmarks.measurements.stages import (
     ESTIMATE,
     FRAME,
     FUSE,
+    FUSE_KNOWN,
     FUSE_NEW,
     FUSE_REDUNDANT,
     PUBLISH,
@@ -26,6 +27,7 @@ from reflest_core.capture.open_capture import open_capture
 from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.estimation.warm_up import warm_up
+from reflest_core.fusion.fused_frame import FusedFrame
 
 
 def measure(
@@ -50,7 +52,8 @@ def measure(
     return {
         "stages": [dataclasses.asdict(one) for one in clock.timings(with_memory.memory_mb)],
         "fuse_ms": fuse_ms,
-        "frames": len(fuse_ms),
+        "frames": len(clock.seconds[FRAME]),
+        "frames_redundant": len(clock.seconds.get(FUSE_REDUNDANT, [])),
         "voxels": scanner.scan.voxel_count,
         "observations": scanner.scan.observation_count,
         "views": scanner.scan.view_count,
@@ -61,7 +64,7 @@ def measure(
 def _scanned(
     path: Path, count: int, settings: ReflestSettings, clock: StageClock
 ) -> tuple[Scanner, dict[str, float]]:
-    """The scan, and the milliseconds that each frame's fusion took, by image stamp."""
+    """The scan, and the milliseconds of each frame that was not skipped, by image stamp."""
     scanner = Scanner(settings)
     warm_up(scanner.estimator)
     fuse_ms = {}
@@ -70,10 +73,12 @@ def _scanned(
             started = time.perf_counter()
             with clock.timing(FUSE):
                 scanned = scanner.fuse(frame)
-            fuse_ms[str(frame.stamp_ns)] = 1000.0 * (time.perf_counter() - started)
+            milliseconds = 1000.0 * (time.perf_counter() - started)
             lap = clock.lap()
-            kind = FUSE_NEW if scanned.fused.is_new_view else FUSE_REDUNDANT
+            kind = _kind(scanned.fused)
             clock.seconds[kind].append(lap[FUSE])
+            if kind != FUSE_REDUNDANT:
+                fuse_ms[str(frame.stamp_ns)] = milliseconds
             clock.seconds[FRAME].append(lap[ASSEMBLE] + lap[FUSE])
             if scanned.keyframe is not None:
                 with clock.timing(ESTIMATE):
@@ -82,3 +87,9 @@ def _scanned(
                     publish(estimate)
                 clock.lap()
     return scanner, fuse_ms
+
+
+def _kind(fused: FusedFrame) -> str:
+    if fused.is_redundant:
+        return FUSE_REDUNDANT
+    return FUSE_NEW if fused.is_new_view else FUSE_KNOWN

@@ -6,7 +6,11 @@ from benchmarks.measuring.stage_clock import Stage
 
 ASSEMBLE = "assemble: match, decode, check"
 FUSE = "fuse"
-FUSE_NEW, FUSE_REDUNDANT = "fuse, a new view", "fuse, a redundant frame"
+FUSE_NEW, FUSE_KNOWN, FUSE_REDUNDANT = (
+    "fuse, a new view",
+    "fuse, near a stored view",
+    "fuse, redundant: skipped",
+)
 FRAME = "frame: assemble and fuse"
 ESTIMATE = "estimate"
 PUBLISH = "publish"
@@ -33,6 +37,7 @@ FUSION_STAGES = (
             for name in ("allocate", "in_sight", "integrate", "extract")
         ),
     ),
+    Stage("redundancy", ("reflest_core.fusion.scan:redundant_view",)),
     Stage("F and B", ("reflest_core.fusion.scan:foreground_background_means",)),
     Stage(
         "observations",
@@ -42,6 +47,13 @@ FUSION_STAGES = (
                 f"reflest_core.fusion.observation_store:ObservationStore.{name}"
                 for name in ("remove", "move", "find", "refresh", "claim", "unseen_from", "observe")
             ),
+        ),
+    ),
+    Stage(
+        "background light",
+        (
+            "reflest_core.fusion.scan:background_pixels",
+            "reflest_core.fusion.light_map:LightMap.add",
         ),
     ),
     Stage("snapshot", ("reflest_core.estimation.scanner:Scanner.snapshot",)),

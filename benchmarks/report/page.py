@@ -11,6 +11,7 @@ from benchmarks.report.plots import plot_estimates, plot_frames
 from benchmarks.report.run_sections import (
     live_section,
     machine_section,
+    memory_section,
     start_up_section,
     targets_section,
 )
@@ -70,6 +71,8 @@ def page_text(results: dict[str, Any]) -> str:
         growth_section(results),
         "## The node at camera speed",
         live_section(results),
+        "## Memory",
+        memory_section(results),
         "## Start-up and replay",
         start_up_section(results),
     ]

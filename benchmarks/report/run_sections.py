@@ -56,6 +56,22 @@ def live_section(results: dict[str, Any]) -> str:
     return table((f"{live['seconds']:g} s, {live['frames_played']:,} frames", ""), rows)
 
 
+def memory_section(results: dict[str, Any]) -> str:
+    """Resident memory of a scan that is too large for its budget."""
+    memory = results["memory"]
+    rows = [
+        ["memory_budget_mb", number(memory["budget_mb"])],
+        ["resident, the most between two frames", number(memory["between_frames_mb"])],
+        ["resident, the most within a frame", number(memory["within_frames_mb"])],
+        ["stated allowance for the frame in hand", number(memory["working_mb"])],
+        ["voxels (room for)", f"{memory['voxels']:,} ({memory['voxel_capacity']:,})"],
+        ["observations", f"{memory['observations']:,}"],
+        ["bytes for each observation", number(memory["bytes_per_observation"])],
+        ["bytes for each voxel on top", number(memory["bytes_per_voxel"])],
+    ]
+    return table(("a floor without end (MB beyond the empty process)", ""), rows)
+
+
 def start_up_section(results: dict[str, Any]) -> str:
     """Start-up phases and replay speed."""
     rows = [[one["name"], number(one["p50_ms"])] for one in results["start_up"]["phases"]]

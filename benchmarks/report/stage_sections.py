@@ -9,6 +9,7 @@ from benchmarks.measurements.stages import (
     ESTIMATE,
     FRAME,
     FUSE,
+    FUSE_KNOWN,
     FUSE_NEW,
     FUSE_REDUNDANT,
     NETWORK,
@@ -19,9 +20,9 @@ from benchmarks.report.table import number, table
 WHOLES = (ASSEMBLE, FUSE, FRAME, ESTIMATE)
 """Sums of the stages above them; in bold."""
 ORDER = (
-    "match", "decode", ASSEMBLE, "classify pixels", "TSDF", "F and B", "observations", "snapshot",
-    FUSE_NEW, FUSE_REDUNDANT, FUSE, FRAME, "voxel choice", "hemisphere images", "grouplets",
-    NETWORK, "coverage", ESTIMATE, PUBLISH,
+    "match", "decode", ASSEMBLE, "classify pixels", "F and B", "redundancy", "TSDF",
+    "background light", "observations", "snapshot", FUSE_NEW, FUSE_KNOWN, FUSE_REDUNDANT, FUSE,
+    FRAME, "voxel choice", "hemisphere images", "grouplets", NETWORK, "coverage", ESTIMATE, PUBLISH,
 )  # fmt: skip
 PERCENTILES = ("p50_ms", "p95_ms", "p99_ms")
 COMPARED = ("fuse_ms", "open3d_ms", "ratio")

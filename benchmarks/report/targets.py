@@ -11,6 +11,7 @@ from benchmarks.measurements.stages import ESTIMATE
 HALF = 0.5
 INFERENCE_P95_MS = {"hemicnn": 16.0, "grouplet-fast": 5.0, "grouplet-slow": 30.0}
 LATENCY_P99_MS = 100.0
+BYTES_PER_OBSERVATION = 6.0
 
 
 @dataclass(frozen=True)
@@ -47,5 +48,13 @@ def targets(results: dict[str, Any]) -> Iterator[Target]:
     if live["latency"] is not None:
         p99 = live["latency"]["p99_ms"]
         yield Target("estimate latency at the node, p99", p99, LATENCY_P99_MS, "ms")
+    memory = results["memory"]
+    what, limit = (
+        f"resident memory of a scan, budget {memory['budget_mb']:g} MB",
+        memory["budget_mb"],
+    )
+    yield Target(f"{what}, between frames", memory["between_frames_mb"], limit, "MB")
+    observation = memory["bytes_per_observation"]
+    yield Target("bytes for each observation", observation, BYTES_PER_OBSERVATION, "bytes")
     slower = 1.0 / results["replay"]["times_real_time"]
     yield Target("replay of a VGA bag, share of its duration", slower, 1.0, "times")

@@ -16,6 +16,8 @@ OVERVIEW_HEIGHT, OVERVIEW_SPACING = 1.5, 0.6
 """Metres; every point of the floor is seen from six positions or more."""
 SMALL_HEIGHT = 0.3
 """Metres; such a frame sees 0.37 x 0.27 m."""
+STRIP_STEP = 0.3
+"""Metres, a sixth of what a frame sees."""
 DOWN = np.array([0.0, 0.0, -1.0])
 
 
@@ -39,6 +41,12 @@ def small_frames(count: int) -> Iterator[Frame]:
         turn = 2.0 * np.pi * number / count
         centre = np.array([0.04 * np.cos(turn), 0.04 * np.sin(turn), SMALL_HEIGHT])
         yield _frame(centre, 100_000 + number)
+
+
+def strip_frames(count: int) -> Iterator[Frame]:
+    """Frames along a line over a floor without end: every one shows new surface."""
+    for number in range(count):
+        yield _frame(np.array([STRIP_STEP * number, 0.0, OVERVIEW_HEIGHT]), number)
 
 
 def _frame(centre: NDArray[np.float64], number: int) -> Frame:

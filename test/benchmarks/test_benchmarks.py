@@ -16,6 +16,7 @@ from benchmarks.measurements.stages import (
     ESTIMATION_STAGES,
     FRAME,
     FUSE,
+    FUSE_KNOWN,
     FUSE_NEW,
     FUSE_REDUNDANT,
     FUSION_STAGES,
@@ -65,7 +66,7 @@ def test_every_stage_of_the_live_path_is_timed(results):
     # The default model looks at grouplets; hemisphere images are HemiCNN's.
     expected -= {"hemisphere images"}
     assert names(stages) == expected | {
-        ASSEMBLE, FUSE, FUSE_NEW, FUSE_REDUNDANT, FRAME, ESTIMATE, PUBLISH,
+        ASSEMBLE, FUSE, FUSE_NEW, FUSE_KNOWN, FRAME, ESTIMATE, PUBLISH,
     }  # fmt: skip
     assert all(0.0 < one["p50_ms"] <= one["p95_ms"] <= one["p99_ms"] for one in stages)
 
@@ -74,7 +75,8 @@ def test_stages_that_run_for_every_frame_are_timed_for_every_frame(results):
     counts = {one["name"]: one["count"] for one in results["frame_path"]["1"]["stages"]}
     for name in ("match", "decode", ASSEMBLE, FUSE, FRAME):
         assert counts[name] == TINY.frame_path, name
-    assert counts[FUSE_NEW] + counts[FUSE_REDUNDANT] == TINY.frame_path
+    kinds = (FUSE_NEW, FUSE_KNOWN, FUSE_REDUNDANT)
+    assert sum(counts.get(kind, 0) for kind in kinds) == TINY.frame_path
 
 
 def test_memory_is_noted_stage_by_stage(results):
@@ -127,6 +129,12 @@ def test_the_live_run_accounts_for_every_message(results):
     assert live["estimates"] == live["latency"]["count"] > 0
 
 
+def test_memory_of_a_full_scan_is_measured(results):
+    memory = results["memory"]
+    assert memory["observations"] > memory["voxels"] > 0
+    assert memory["between_frames_mb"] > 0.0
+
+
 def test_start_up_and_replay_are_measured(results):
     phases = {one["name"]: one["p50_ms"] for one in results["start_up"]["phases"]}
     parts = ("interpreter", "import", "warm up", "first frame", "first estimate")
@@ -136,7 +144,16 @@ def test_start_up_and_replay_are_measured(results):
 
 
 def test_the_page_has_every_section_and_the_plots_that_it_shows(docs, page):
-    for title in ("Targets", "Stages", "Open3D", "Estimates", "Growth", "node", "Start-up"):
+    for title in (
+        "Targets",
+        "Stages",
+        "Open3D",
+        "Estimates",
+        "Growth",
+        "node",
+        "Memory",
+        "Start-up",
+    ):
         assert re.search(f"^## .*{title}", page, re.MULTILINE), title
     shown = re.findall(r"!\[[^]]*\]\(\.\./([^)]+)\)", page)
     assert len(shown) == 2

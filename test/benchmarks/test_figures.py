@@ -83,12 +83,12 @@ def test_lost_messages_are_counted_by_cause():
     diagnostics = {
         "messages rgb": "98", "messages depth": "100", "messages camera_info": "100",
         "messages pose": "99", "refused queue_full": "4", "refused pose_missing": "2",
-        "frames matched": "97", "frames fused": "92", "frames redundant": "5", "voxels": "7",
+        "frames matched": "97", "frames fused": "97", "frames redundant": "5", "voxels": "7",
     }  # fmt: skip
     found = account(100, diagnostics, [0.01, 0.03])
     assert found["messages_lost"] == {"on the way (DDS)": 3, "queue_full": 4}
     assert found["refused"] == {"pose_missing": 2}
-    assert found["frames_lost"] == 100 - 92 - 5
+    assert (found["frames_fused"], found["frames_redundant"], found["frames_lost"]) == (92, 5, 3)
     assert found["messages_sent"] == 400
     assert found["messages_received"] == 397
     assert found["latency"]["p50_ms"] == pytest.approx(20.0)
