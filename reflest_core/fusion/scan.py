@@ -28,6 +28,7 @@ from reflest_core.fusion.snapshot import observed_surface
 from reflest_core.fusion.tsdf import TsdfVolume
 from reflest_core.fusion.views import ViewTable
 from reflest_core.fusion.visibility import visible_voxels
+from reflest_core.fusion.window import cropped, object_window
 
 NEW_SURFACE_SHARE = 0.2
 """A frame near a stored view is a new view if more than this share of what it sees is new."""
@@ -94,11 +95,15 @@ class Scan:
                 f"the image stamp {frame.stamp_ns} ns is not after the last fused one "
                 f"({self._clock_ns} ns): reset the scan if the clock or the bag was restarted",
             )
+        whole, window = frame, object_window(frame, self.region)
+        frame = cropped(whole, window)
         pixels = classify_pixels(frame, self.region, self.fusion)
-        self._check_overlap(frame, pixels)
+        self._check_overlap(whole, pixels)
+        is_foreground = np.zeros(whole.depth.shape, np.bool_)
+        is_foreground[window.slices] = pixels.foreground
         self.last_stamp_ns = self._clock_ns = frame.stamp_ns
         self.frame_id, self.world_frame_id = frame.frame_id, frame.world_frame_id
-        foreground, background = foreground_background_means(frame.rgb, pixels.foreground)
+        foreground, background = foreground_background_means(whole.rgb, is_foreground)
         view = redundant_view(
             frame, pixels, self.store, self.views, self.fusion.voxel_size,
             self.fusion.view_spacing, self.fusion.frames_per_view,
@@ -124,7 +129,7 @@ class Scan:
         # The light: the background's colours, in the directions in which the object sees them.
         if len(surface.positions):
             centre = surface.positions.mean(axis=0, dtype=np.float64)
-            self.light.add(*background_pixels(frame, pixels.foreground, pixels.depth, centre))
+            self.light.add(*background_pixels(whole, is_foreground, whole.depth, centre))
 
         # The observations: a row for each voxel that this view truly sees, then its colour.
         seen, colours = visible_voxels(
@@ -250,7 +255,7 @@ class Scan:
         )
 
     def _check_overlap(self, frame: Frame, pixels: FramePixels) -> None:
-        if not np.any(pixels.depth):
+        if not np.any(pixels.surface) and not _has_depth(frame):
             raise FrameRefused(
                 RefusalCause.DEPTH_EMPTY,
                 f"the depth image at {frame.stamp_ns} ns has no valid pixel: check the depth "
@@ -281,3 +286,7 @@ class Scan:
             self.store.drop_views(oldest)
             self.views.forget(oldest)
         return self.views.put(frame.camera_centre, foreground, background, frame.stamp_ns)
+
+
+def _has_depth(frame: Frame) -> bool:
+    return bool(np.any(np.isfinite(frame.depth) & (frame.depth > 0.0)))
