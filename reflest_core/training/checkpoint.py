@@ -31,10 +31,15 @@ class Checkpoint:
 
 
 def save_checkpoint(path: Path, checkpoint: Checkpoint, recipe: Recipe) -> None:
-    """Write atomically."""
+    """Write atomically; :class:`TrainingError` where there is no room."""
     temporary = path.with_suffix(".partial")
-    torch.save({**vars(checkpoint), "recipe": recipe.describe()}, temporary)
-    os.replace(temporary, path)
+    try:
+        torch.save({**vars(checkpoint), "recipe": recipe.describe()}, temporary)
+        os.replace(temporary, path)
+    except (OSError, RuntimeError) as error:
+        raise TrainingError(
+            f"{path} cannot be written ({error}): make room and run the same command again"
+        ) from error
 
 
 def load_checkpoint(path: Path, recipe: Recipe, device: torch.device) -> Checkpoint | None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Any
-
-import torch
+from typing import TYPE_CHECKING, Any
 
 from reflest_core.training.augmentation import Augmentation
+
+if TYPE_CHECKING:
+    import torch
 
 OPTIMISERS = ("adam", "rmsprop", "sgd")
 
@@ -54,6 +55,8 @@ class Recipe:
 
     def make_optimiser(self, module: torch.nn.Module) -> torch.optim.Optimizer:
         """The optimiser with its first learning rate."""
+        import torch
+
         weights, rate = module.parameters(), self.learning_rate
         if self.optimiser == "adam":
             return torch.optim.Adam(weights, lr=rate)

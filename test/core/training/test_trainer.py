@@ -133,6 +133,12 @@ def test_a_damaged_checkpoint_is_named(tmp_path):
         train(tmp_path)
 
 
+def test_a_checkpoint_that_cannot_be_written_is_named(tmp_path):
+    (tmp_path / "checkpoint.partial").mkdir()
+    with pytest.raises(TrainingError, match=r"checkpoint\.pt cannot be written .*: make room"):
+        train(tmp_path)
+
+
 def test_eight_bit_and_exact_weights_stand_side_by_side(tmp_path):
     path = train(tmp_path, network="grouplet")
     exact = tmp_path / "weights-float32.safetensors"
