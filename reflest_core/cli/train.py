@@ -6,18 +6,13 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from reflest_core.cli.recipe_options import add_recipe_options, changed_recipe
 from reflest_core.parameter import ParameterError
 
 if TYPE_CHECKING:
     from reflest_core.training.data import TrainingData
     from reflest_core.training.processes import Processes
     from reflest_core.training.recipe import Recipe
-
-CHANGES = (
-    "optimiser", "learning_rate", "momentum", "minibatches", "batch_size", "voxels",
-    "nodes_per_voxel", "warm_up", "hold", "average", "precision", "parts", "seed",
-)  # fmt: skip
-"""The fields of a recipe that options of the same name change."""
 
 
 def add_parser(subparsers: Any) -> None:
@@ -46,7 +41,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument(
         "--recipe", choices=("ours", "paper"), default="ours", help="what is not given otherwise"
     )
-    _add_changes(parser)
+    add_recipe_options(parser)
     parser.add_argument(
         "--realism", nargs="*", metavar="EFFECT",
         help="train on every scene a second time, with the faults of a real capture; "
@@ -58,22 +53,6 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--tensorboard", action="store_true", help="log to OUT/tensorboard too")
     parser.add_argument("--out", type=Path, required=True, help="folder for weights and log")
     parser.set_defaults(run=run)
-
-
-def _add_changes(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--optimiser", choices=("adam", "rmsprop", "sgd"))
-    parser.add_argument("--learning-rate", type=float)
-    parser.add_argument("--momentum", type=float, help="of rmsprop and sgd")
-    parser.add_argument("--minibatches", type=int)
-    parser.add_argument("--batch-size", type=int, help="scenes in each part of a minibatch")
-    parser.add_argument("--voxels", type=int, help="of one scene in a minibatch")
-    parser.add_argument("--nodes-per-voxel", type=int, help="of Grouplet")
-    parser.add_argument("--warm-up", type=int, metavar="MINIBATCHES")
-    parser.add_argument("--hold", type=float, help="share of training before the rate falls to 0")
-    parser.add_argument("--average", type=float, help="decay of the weights' running mean")
-    parser.add_argument("--precision", choices=("float32", "bfloat16"))
-    parser.add_argument("--parts", type=int, help="of a minibatch; default: one for each process")
-    parser.add_argument("--seed", type=int)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -127,14 +106,9 @@ def _train(
     name: str,
     processes: Processes,
 ) -> None:
-    import dataclasses
-
     from reflest_core.training.trainer import RunFolder, Trainer
 
-    given = {field: getattr(arguments, field) for field in CHANGES}
-    changes = {field: value for field, value in given.items() if value is not None}
-    changes.setdefault("parts", processes.count)
-    recipe = dataclasses.replace(base, **changes)
+    recipe = changed_recipe(base, arguments, parts=processes.count)
     place = RunFolder(folder, name, arguments.validate_every, arguments.tensorboard)
     if processes.is_first:
         print(f"training {name} on {len(data.training)} scenes: {recipe}", flush=True)

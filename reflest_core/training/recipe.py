@@ -91,7 +91,7 @@ PAPER_RECIPES = {
 RECIPES = {
     "hemicnn": Recipe(
         "hemicnn", "rmse1", "adam", 5e-3, 0.0, 60_000, 32, voxels=25, validation_voxels=25,
-        warm_up=500, hold=0.0, average=0.999, augmentation=Augmentation(candidates=60),
+        warm_up=500, hold=0.0, average=0.999,
     ),
     "grouplet": Recipe(
         "grouplet", "rmse1", "adam", 1e-3, 0.0, 30_000, 24, voxels=64, validation_voxels=354,

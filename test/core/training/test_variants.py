@@ -46,8 +46,11 @@ def test_all_variants_are_trained_one_after_another(tmp_path, data, capsys):
 def test_one_variant_follows_its_recipe_but_for_what_is_given(tmp_path, data):
     variant = variant_named("hemicnn-cuberoot-ec")
     out = ["--variant", variant.name, "--out", str(tmp_path)]
-    assert main(["train", str(data), *out, *QUICK]) == 0
+    drawn = ["--views", "7", "30", "--candidates", "20"]
+    assert main(["train", str(data), *out, *QUICK, *drawn]) == 0
     _, card, _ = load_weights(tmp_path / variant.file_name)
+    assert card.recipe["augmentation"]["views"] == [7, 30]
+    assert card.recipe["augmentation"]["candidates"] == 20
     assert card.recipe["minibatches"] == 3
     assert card.recipe["optimiser"] == variant.recipe().optimiser
 

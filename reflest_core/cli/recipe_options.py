@@ -1,0 +1,53 @@
+"""Options of ``reflest train`` that change fields of a recipe."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from reflest_core.training.recipe import Recipe
+
+CHANGES = (
+    "optimiser", "learning_rate", "momentum", "minibatches", "batch_size", "voxels",
+    "nodes_per_voxel", "warm_up", "hold", "average", "precision", "parts", "seed",
+)  # fmt: skip
+"""The fields of a recipe that options of the same name change."""
+
+
+def add_recipe_options(parser: argparse.ArgumentParser) -> None:
+    """Add an option for every field that is worth changing."""
+    parser.add_argument("--optimiser", choices=("adam", "rmsprop", "sgd"))
+    parser.add_argument("--learning-rate", type=float)
+    parser.add_argument("--momentum", type=float, help="of rmsprop and sgd")
+    parser.add_argument("--minibatches", type=int)
+    parser.add_argument("--batch-size", type=int, help="scenes in each part of a minibatch")
+    parser.add_argument("--voxels", type=int, help="of one scene in a minibatch")
+    parser.add_argument("--nodes-per-voxel", type=int, help="of Grouplet")
+    parser.add_argument("--warm-up", type=int, metavar="MINIBATCHES")
+    parser.add_argument("--hold", type=float, help="share of training before the rate falls to 0")
+    parser.add_argument("--average", type=float, help="decay of the weights' running mean")
+    parser.add_argument("--precision", choices=("float32", "bfloat16"))
+    parser.add_argument("--parts", type=int, help="of a minibatch; default: one for each process")
+    parser.add_argument(
+        "--views", type=int, nargs=2, metavar=("FEWEST", "MOST"), help="kept of each scene's"
+    )
+    parser.add_argument(
+        "--candidates", type=int, help="random voxels of a scene from which those are chosen"
+    )
+    parser.add_argument("--seed", type=int)
+
+
+def changed_recipe(base: Recipe, arguments: argparse.Namespace, parts: int) -> Recipe:
+    """``base`` with what was given; ``parts`` of a minibatch unless the options say otherwise."""
+    given = {field: getattr(arguments, field) for field in CHANGES}
+    changes = {field: value for field, value in given.items() if value is not None}
+    changes.setdefault("parts", parts)
+    augmentation = base.augmentation
+    if arguments.views:
+        fewest, most = arguments.views
+        augmentation = dataclasses.replace(augmentation, views=(fewest, most))
+    if arguments.candidates:
+        augmentation = dataclasses.replace(augmentation, candidates=arguments.candidates)
+    return dataclasses.replace(base, augmentation=augmentation, **changes)
