@@ -13,8 +13,8 @@ class Plan:
     ``memory_frames``: those whose stages' memory is measured, untimed. ``estimates``: of each
     model; ``growth_estimates``: of each model and size. ``growth_frames``: for each of the
     ``voxel_sizes`` (mm), ``resolutions`` and regions. ``store_voxels``: sizes of a store at
-    ``store_voxel_size`` mm. ``view_counts``: views of a scan. ``memory_strip``: frames along a floor
-    too large for ``memory_budget_mb``. ``starts``: fresh processes that start up.
+    ``store_voxel_size`` mm. ``view_counts``: views of a scan. ``memory_strip``: frames along a
+    floor too large for ``memory_budget_mb``. ``starts``: fresh processes that start up.
     ``live_seconds``: of the bag that is played to the node.
     """
 
