@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 import queue
 import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from reflest_core.capture.assembler import FrameAssembler
@@ -17,7 +16,7 @@ from reflest_core.capture.messages import Role, SensorMessage
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
-from reflest_core.fusion.exposure_drift import exposure_drift
+from reflest_ros.fusion_counts import FusionCounts
 from reflest_ros.worker_thread import worker_thread
 
 MOST_ARRIVALS = 1000
@@ -32,28 +31,6 @@ class Keyframe:
 
     snapshot: KeyframeSnapshot
     arrival: float
-
-
-@dataclass
-class FusionCounts:
-    """What fusion did so far; written by the worker, read by the diagnostics.
-
-    ``redundant``: frames among the fused that showed nothing new, so that nothing was done.
-    ``fill``: share of the store's budget in use. ``exposure_drift``: stops, NaN where unknown.
-    """
-
-    messages: dict[Role, int] = field(default_factory=lambda: dict.fromkeys(Role, 0))
-    matched: int = 0
-    fused: int = 0
-    redundant: int = 0
-    keyframes: int = 0
-    dropped: int = 0
-    voxels: int = 0
-    observations: int = 0
-    views: int = 0
-    nbytes: int = 0
-    fill: float = 0.0
-    exposure_drift: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -167,12 +144,7 @@ class FusionWorker:
 
     def count_store(self) -> None:
         """Bring the store's counts up to date; to be run through :meth:`call`."""
-        scan = self._scanner.scan
-        self.counts.voxels = scan.voxel_count
-        self.counts.observations = scan.observation_count
-        self.counts.views = scan.view_count
-        self.counts.nbytes = scan.nbytes
-        self.counts.fill = scan.fill
+        self.counts.take_store(self._scanner.scan)
 
     def _run(self) -> None:
         while not self._is_stopping:
@@ -209,7 +181,7 @@ class FusionWorker:
             self.count_store()
             if scanned.keyframe is not None:
                 self.counts.keyframes += 1
-                self.counts.exposure_drift = exposure_drift(self._scanner.scan.views)
+                self.counts.take_exposure(self._scanner.scan)
                 self._on_keyframe(Keyframe(scanned.keyframe, arrival))
 
     def _report_drops(self) -> None:
