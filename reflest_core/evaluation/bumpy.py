@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -50,10 +51,12 @@ def _orthographic(name: str, height: float) -> Shape:
     )
     normals = gradient / np.linalg.norm(gradient, axis=-1, keepdims=True)
     facing = normals[:, 1] < -0.02
-    where = np.flatnonzero(inside)[facing]
-    mask = np.zeros(SIZE * SIZE, np.bool_)
-    mask[where] = True
-    return Shape(name, mask.reshape(SIZE, SIZE), normals[facing])
+    mask = np.zeros(SIZE * SIZE, np.uint8)
+    mask[np.flatnonzero(inside)[facing]] = 1
+    # Rays that graze a bump leave lone pixels beside the silhouette.
+    whole = cv2.morphologyEx(mask.reshape(SIZE, SIZE), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
+    kept = whole.astype(np.bool_)
+    return Shape(name, kept, normals[kept.reshape(-1)[inside]])
 
 
 def _distance(points: NDArray[np.float64], height: float) -> NDArray[np.float64]:

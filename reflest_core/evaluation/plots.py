@@ -31,7 +31,8 @@ def draw_views(path: Path, record: dict[str, Any]) -> None:
         colour = CURVES[curve["network"]]
         axes.plot(record["views"], curve["rmse"], "o-", label=curve["network"], color=colour)
     axes.axvline(30, color="0.8", linewidth=1, zorder=0)
-    axes.set(xlabel="views", ylabel="normalised RMSE, validation", ylim=(0, None))
+    top = 1.1 * max(max(curve["rmse"]) for curve in record["curves"])
+    axes.set(xlabel="views", ylabel="normalised RMSE, validation", ylim=(0, top))
     axes.legend(frameon=False)
     figure.savefig(path, dpi=110)
 
