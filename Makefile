@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 # make demo, make test and make lint set up what they need in .venv, and nothing outside the checkout.
 # TORCH_INDEX=https://download.pytorch.org/whl/cpu keeps PyPI's CUDA build of torch away.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Builds the ROS interfaces with CMake, so that pip installs a package that a node can run from.
 
 ``pip install --no-build-isolation .`` needs requirements/build.txt installed beforehand. An

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``python -m benchmarks [--quick] [--cache FOLDER] [--output FOLDER] [--capture CAPTURE]``."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Our whole frame against Open3D's integration alone, over the very same frames."""
 
 from __future__ import annotations

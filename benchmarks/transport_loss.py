@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``python -m benchmarks.transport_loss``: images lost between two processes over Fast DDS.
 
 Best-effort VGA colour and depth at camera speed, as a driver sends them and the estimator asks for

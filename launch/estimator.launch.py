@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Starts the estimator, and what is asked for beside it.
 
 ``ros2 launch reflest_ros estimator.launch.py camera:=realsense [namespace:=robot1] [rviz:=true]

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """reflest_core: on-the-fly reflectance estimation, without ROS.
 
 Stages, in the order in which data flows and in which they may import one another:

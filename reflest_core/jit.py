@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How inner loops are compiled.
 
 The kernels run without the global interpreter lock, so that the estimator's thread goes on beside

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Tunable parameters as data: default, meaning, unit and range in one place.
 
 A stage describes its tuning as a frozen dataclass of :func:`parameter` fields. The node declares

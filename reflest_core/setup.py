@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Names the packages: this file lies in the package that it installs."""
 
 from setuptools import find_namespace_packages, setup

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A result's file, written whole or not at all."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Saves the scan now and then, so that a node that is killed goes on where it was."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Plays a bag over DDS where there is no ``ros2 bag``: ``reflest-bag-player BAG [--rate 1.0]``.
 
 Every message is published reliably as it was recorded, ``/tf_static`` latched. The player waits

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """ROS messages as the plain data that reflest_core takes; image bytes are not copied."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What the node says about itself on ``/diagnostics``."""
 
 from __future__ import annotations

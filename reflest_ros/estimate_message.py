@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The core's estimate as ``reflest_ros/msg/BrdfEstimate``, and back."""
 
 from __future__ import annotations

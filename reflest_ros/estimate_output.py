@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Where estimates go: the topic, the views, and the counts that the diagnostics show."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``~/estimate`` and ``~/export``: the material, from all that was scanned so far."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """An estimate in a few short lines, for a display."""
 
 from __future__ import annotations

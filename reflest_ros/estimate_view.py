@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What the node shows besides the estimate itself."""
 
 from __future__ import annotations

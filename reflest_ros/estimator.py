@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``ros2 run reflest_ros estimator``: runs the node until SIGINT or SIGTERM."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The thread that owns the scan: messages in, keyframes out, and services between two frames."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Which topics a scan listens to, of which type, and how each is received."""
 
 from __future__ import annotations

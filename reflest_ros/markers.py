@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflectance/markers``: the values as text at the object, the keyframes' cameras around it."""
 
 from __future__ import annotations

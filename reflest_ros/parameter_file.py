@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Writes ``config/estimator.yaml`` from the settings, so that the two cannot drift apart.
 
 ``python -m reflest_ros.parameter_file > config/estimator.yaml``

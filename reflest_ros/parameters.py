@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The node's ROS parameters, declared from the settings dataclasses of node and core."""
 
 from __future__ import annotations

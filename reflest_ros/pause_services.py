@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``~/pause`` and ``~/resume``: deactivate and activate, for those who speak no lifecycle."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflectance/preview``: a sphere of the estimated material under a fixed light."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Starting and ending a ROS process so that a signal at any time ends it cleanly."""
 
 from __future__ import annotations

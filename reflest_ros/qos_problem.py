@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Says which publishers of a topic cannot be heard, by which policies, and what to turn."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The region of interest in the node's parameters."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``~/reset``, ``~/save``, ``~/load`` and ``~/set_region``: what becomes of the scan."""
 
 from __future__ import annotations

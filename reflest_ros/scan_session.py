@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """All that lives from configure to cleanup: the scan, its two threads, services and topics."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What goes wrong slowly in a scan: a store that fills up, an exposure that changes."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How every service answers: success, and a message that says what was done or why not."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Names the inputs that nothing comes from."""
 
 from __future__ import annotations

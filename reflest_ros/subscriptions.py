@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The node's inputs: each topic's messages, converted and handed on."""
 
 from __future__ import annotations

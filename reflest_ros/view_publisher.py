@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A topic to look at: its message is made when someone looks, and not before."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflectance/voxels``: the observed surface as a coloured point cloud."""
 
 from __future__ import annotations

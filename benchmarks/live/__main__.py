@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``python -m benchmarks.live [--seconds 60] [--json OUT]``: the node at camera speed, alone."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The other side of the node: collects every estimate and the latest diagnostics."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What became of every frame that was played, from the node's own counters."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """One live run: node and bag player as processes, and what became of every message."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Publishes estimates over DDS as the node does, to a subscriber in the same process."""
 
 from __future__ import annotations

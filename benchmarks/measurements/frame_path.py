@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The whole live path in one process: bag to messages, frames, fusion, estimates, DDS."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Whether estimates grow with the scan: more surface, more views."""
 
 from __future__ import annotations

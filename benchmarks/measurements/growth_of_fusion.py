@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How the cost of a frame grows with voxel size, resolution and region.
 
 Every frame is a new view: nothing is skipped as redundant, which is the most that a frame can cost.

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What a scan far beyond its memory budget takes, as the system counts it."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Open3D's VoxelBlockGrid on the same frames: what integration costs elsewhere."""
 
 from __future__ import annotations

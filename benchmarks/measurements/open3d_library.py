@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Imports Open3D where the system lacks the libusb-1.0 that it links to (Debian ``libusb-1.0-0``).
 
 The one in the PyPI package ``libusb-package`` is loaded first then.

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflest replay`` of the recording, against the time that it took to film."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """From the start of a process to its first estimate."""
 
 from __future__ import annotations

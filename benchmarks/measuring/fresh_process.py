@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Each measurement runs in a process of its own, held to a number of cores and threads.
 
 ``python -m benchmarks.measuring.fresh_process MODULE ARGUMENTS OUT`` is that process: it calls

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What the figures were measured on and with; nothing that names the machine or its user."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Resident memory of a process as Linux counts it."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Times stages inside the shipped code path, by wrapping the functions that do them."""
 
 from __future__ import annotations

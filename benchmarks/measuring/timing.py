@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Many durations of one thing as the few numbers that are published."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Writes results as JSON, page and plots, and renews the short table in docs/performance.md."""
 
 from __future__ import annotations

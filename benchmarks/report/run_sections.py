@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Where it was measured, what was promised, and whole runs: the node, replay, start-up."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What a structured-light sensor makes of a depth.
 
 Its noise grows with the square of the distance: 1.2 mm at 0.4 m, and 1.9 mm more for each square

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A floor of any size, filmed from above: a scan with as many voxels as wanted."""
 
 from __future__ import annotations

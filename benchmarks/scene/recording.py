@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The scene as a bag, rendered once into a cache folder outside the repository."""
 
 from __future__ import annotations

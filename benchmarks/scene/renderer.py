@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Renders the table scene analytically: what a ray meets first, its colour, its sensed depth."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The colour of a surface point: Ward gloss under distant lights."""
 
 from __future__ import annotations

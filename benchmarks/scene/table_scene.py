@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What stands in the scene: a glossy vase on a round table in a room, with clutter beside it.
 
 World frame: z up, the table top at z = 0, metres.

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How much light a Ward surface reflects in all: directional albedo by stratified sampling."""
 
 from __future__ import annotations

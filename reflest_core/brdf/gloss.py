@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Pellacini's gloss: contrast c and distinctness d (Eq. 2), both ways (numpy or torch)."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Quadrature over pairs of directions in half/difference angles (Rusinkiewicz 1998).
 
 A Ward lobe is a peak in ``theta_h`` alone, so a few points there, spaced by the logarithm of

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """CIE L*a*b* of *linear* Rec. 709 reflectance under D65, 2 degree observer (numpy or torch)."""
 
 from __future__ import annotations

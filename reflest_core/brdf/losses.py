@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The losses of section 3.2: E_d (Table 1) and the regulariser E_c (Eq. 4).
 
 All are differentiable in torch; :func:`colour_constancy` also takes numpy arrays. RMSE_1 and RMSE_2

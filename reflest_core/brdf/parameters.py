@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The numbers that are estimated: Ward parameters and their perceptual twin, Lab/c,d."""
 
 from __future__ import annotations

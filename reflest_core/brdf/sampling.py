@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Importance sampling of the Ward lobe through its half vector (Ward 1992, Walter 2005).
 
 Numpy or torch, like :mod:`reflest_core.brdf.ward`.

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The sRGB transfer curve (IEC 61966-2-1): linear light and encoded values, both in [0, 1]."""
 
 from __future__ import annotations

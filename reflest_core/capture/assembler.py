@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Messages in, frames out: match in time, decode, check; what fails is refused by cause."""
 
 from __future__ import annotations

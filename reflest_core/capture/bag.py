@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A recording as one stream of messages: an MCAP file, a .db3 file, or a rosbag2 directory."""
 
 from __future__ import annotations

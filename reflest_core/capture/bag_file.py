@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What every kind of bag file offers: its topics, its raw messages, and how far it can be read."""
 
 from __future__ import annotations

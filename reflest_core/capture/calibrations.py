@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The calibrations of one camera: only changes are kept, and the last one for good."""
 
 from __future__ import annotations

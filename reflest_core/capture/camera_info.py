@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``CameraInfo`` to intrinsics: checked, with binning and ROI applied and distortion named."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The colour camera's pose at an image, with the frames that its messages name compared."""
 
 from __future__ import annotations

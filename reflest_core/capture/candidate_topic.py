@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A recorded topic that may play a role."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """CDR bytes to messages, for the six ROS 2 message types that a capture needs.
 
 Their layouts are the same in every ROS 2 distribution so far, so no definition is read from the

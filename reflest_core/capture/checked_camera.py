@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """One camera's calibration, checked again only when its message changes."""
 
 from __future__ import annotations

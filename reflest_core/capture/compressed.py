@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Compressed images: jpeg and png; 16-bit png depth and compressedDepth (png, rvl)."""
 
 from __future__ import annotations

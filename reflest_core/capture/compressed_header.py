@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What a jpeg or png says of itself, read without unpacking it."""
 
 from __future__ import annotations

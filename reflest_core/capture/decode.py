@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Image messages to arrays: colour as 8-bit RGB, depth in metres; other encodings are refused.
 
 ``step`` and endianness are honoured. Units are never guessed: ``32FC1`` is metres and ``16UC1``

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Depth that is not in colour's frame: whether it can be registered to colour, and doing it."""
 
 from __future__ import annotations

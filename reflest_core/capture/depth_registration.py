@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Depth of one camera as another camera sees it: every depth pixel's footprint, nearest first."""
 
 from __future__ import annotations

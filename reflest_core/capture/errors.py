@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What can be wrong with a whole capture."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Calibration of a folder of frames: a file beside them, or four numbers from the user."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """One RGB-D view with its pose: what every capture yields and fusion takes."""
 
 from __future__ import annotations

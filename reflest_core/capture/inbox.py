@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The waiting messages of every topic, let in by their stamps."""
 
 from __future__ import annotations

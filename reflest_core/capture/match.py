@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What the matcher yields: the messages that make one frame."""
 
 from __future__ import annotations

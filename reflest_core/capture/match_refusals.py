@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Why a message found no partner, in a sentence that names the topic and the knob."""
 
 from __future__ import annotations

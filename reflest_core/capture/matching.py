@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Matches colour, depth, calibration, pose and mask in time.
 
 Colour is the reference. What matches a colour image is settled only when every other topic has

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """MCAP files, whole or cut off, read in log-time order.
 
 The index comes from the file's summary, or where there is none (a recorder that died) from one

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """MCAP's records one by one, as far as the bytes go (mcap.dev/spec).
 
 The ``mcap`` package gives a chunk whole or not at all; a recording that was cut off still holds

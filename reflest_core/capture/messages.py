@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Sensor messages as plain data: the ROS node and the bag readers both fill these."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Opens a capture of any kind by looking at its path."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Recorded topics that help where they exist: the depth camera's calibration, and transforms."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Poses as matrices: checked, normalised, interpolated; a bad one never becomes the identity."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Where an image's pose comes from: a topic of poses, or the tree of transforms."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Takes lens distortion out of colour, depth and mask, keeping the camera's K."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Why a frame was not used: every refusal has a cause that is counted and a sentence that helps."""
 
 from __future__ import annotations

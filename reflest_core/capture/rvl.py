@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """RVL, the lossless depth codec of Wilson (ISS 2017), as compressedDepth sends it.
 
 A stream of 4-bit groups, the highest bits of little-endian 32-bit words first; a number is sent in

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """7-Scenes folders: frame-000000.color.png (or .jpg), .depth.png, .pose.txt.
 
 Depth is in millimetres, 65535 where unknown; poses are 4 x 4 camera-to-world matrices. The format

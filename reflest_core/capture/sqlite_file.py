@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """rosbag2's sqlite3 files (.db3), whole or cut off."""
 
 from __future__ import annotations

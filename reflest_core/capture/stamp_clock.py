@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Tells a clock that was set back from one wrong stamp and from a message that came late."""
 
 from __future__ import annotations

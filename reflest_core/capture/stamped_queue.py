@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The waiting messages of one topic, in stamp order."""
 
 from __future__ import annotations

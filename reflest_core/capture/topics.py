@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Which recorded topic plays which role: by type where that is unambiguous, else as told."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The tree of coordinate frames that ``/tf`` and ``/tf_static`` tell, asked at any stamp.
 
 Fed by messages alone, live or from a bag. What is not known is refused: it never becomes the

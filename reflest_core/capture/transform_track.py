@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The recent poses of one frame in its parent: interpolated between, never beyond."""
 
 from __future__ import annotations

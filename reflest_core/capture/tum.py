@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """TUM RGB-D folders: rgb.txt, depth.txt and groundtruth.txt, each line led by its stamp.
 
 Depth counts 1/5000 m. Poses are of the colour camera's optical frame: tx ty tz qx qy qz qw.

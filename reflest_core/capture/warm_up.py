@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Compile capture's kernels, or load them from the cache, before messages wait for them."""
 
 from __future__ import annotations

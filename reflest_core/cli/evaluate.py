@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflest evaluate``: the paper's tables and figures, measured with our weights."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflest export``: an estimate as a material for a renderer, a viewer or a simulator."""
 
 from __future__ import annotations

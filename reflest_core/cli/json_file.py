@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """JSON results, written whole or not at all."""
 
 from __future__ import annotations

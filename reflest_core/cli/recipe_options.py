@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Options of ``reflest train`` that change fields of a recipe."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflest replay``: a recorded capture through the estimator, with no ROS graph."""
 
 from __future__ import annotations

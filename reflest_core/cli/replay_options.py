@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Options of ``reflest replay`` and the settings that they make."""
 
 from __future__ import annotations

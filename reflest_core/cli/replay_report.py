@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What ``reflest replay`` says: one line for each estimate, and the JSON document."""
 
 from __future__ import annotations

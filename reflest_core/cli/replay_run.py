@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The replay itself: capture to frames, frames to scan, keyframes to estimates."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The published estimate; its fields are those of ``reflest_ros/msg/BrdfEstimate``."""
 
 from __future__ import annotations

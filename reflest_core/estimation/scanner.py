@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The live path in one object: frames in, keyframes out, estimates on demand.
 
 The ROS node and ``reflest replay`` both drive this class, so that they agree bit for bit.

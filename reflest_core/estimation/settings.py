@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """All tuning of a scan in one tree, as ``config/estimator.yaml`` writes it."""
 
 from __future__ import annotations

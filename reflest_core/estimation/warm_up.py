@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Compiles capture, fusion and estimation before the first real frame has to wait for it.
 
 ``python -m reflest_core.estimation.warm_up`` does so after an installation.

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Normalised RMSE of estimates on a split, with how sure it is: one row of Table 2."""
 
 from __future__ import annotations

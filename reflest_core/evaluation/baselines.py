@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The networks' rivals on the same scenes, each with its run time."""
 
 from __future__ import annotations

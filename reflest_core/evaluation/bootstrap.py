@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How sure a normalised RMSE is: percentile intervals over resampled scenes or environments."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Objects to judge materials by: a smooth sphere and a bumpy one, seen from far along -y."""
 
 from __future__ import annotations

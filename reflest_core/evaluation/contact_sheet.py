@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A sheet of pictures: truth and every variant's estimate, material by material."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The trained networks that are measured: whichever variants of Table 2 have weights."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Estimates of a whole split, each as the live path would make it."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Three environments that no training scene stood in, to look at materials under."""
 
 from __future__ import annotations

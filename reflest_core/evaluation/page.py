@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``index.md``: all records as one page with plots; parts that were not measured are left out."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Figures of Kim et al. 2017 that ours stand beside; nothing here is our own."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A ranking by looks, in place of the paper's ten users: estimates rendered and compared."""
 
 from __future__ import annotations

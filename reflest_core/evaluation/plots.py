@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Plots beside the page's tables, from the same records."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflest evaluate --quick``: one row of Table 2 again, from what is shipped."""
 
 from __future__ import annotations

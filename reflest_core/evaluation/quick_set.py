@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """All validation scenes at the voxels that HemiCNN looks at: a row of Table 2 in a few MB.
 
 HemiCNN sees 25 voxels of a scene. Voxel choice on a surface that has these voxels alone returns

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Measured figures as JSON files, each with the command, commit and data that it came from."""
 
 from __future__ import annotations

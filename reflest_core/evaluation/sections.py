@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The page's sections, each from one record; no figure is typed."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What an estimate must beat: guessing the mean, and a Lambertian surface from F and B."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Joint optimisation of a Ward BRDF and the light from one image and its normals.
 
 In the spirit of Lombardi and Nishino ("Reflectance and natural illumination from a single image",

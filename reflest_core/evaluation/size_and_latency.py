@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Size of each weight file and time of an estimate, features and all; and what 8 bits cost."""
 
 from __future__ import annotations

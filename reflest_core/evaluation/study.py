@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The parts of an evaluation: each measures something and keeps it in a JSON file of its own."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Pictures of any Ward BRDF under fixed lights in no time: what does not depend on it is kept.
 
 Under an environment a picture is linear in ``rho_d`` and ``rho_s``, so that one irradiance map and

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Table 2 and Table 3: the variants on validation and on unseen scenes, and on ten materials."""
 
 from __future__ import annotations

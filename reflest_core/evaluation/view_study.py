@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Figure 6: error against the number of views, for HemiCNN and both forms of Grouplet."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How much light the exported lobe reflects beside Ward's.
 
 ``python -m reflest_core.export.albedo_comparison`` prints the table of ``docs/export.md``.

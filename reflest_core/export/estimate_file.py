@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Reads an estimate back from the JSON that ``reflest replay --json`` writes."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The microfacet lobe of glTF and UsdPreviewSurface, and the roughness that stands for Ward's.
 
 Both formats shade with Trowbridge-Reitz (GGX) facets and Smith's masking; neither knows Ward.

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Fits a GGX lobe to a Ward lobe: ``python -m reflest_core.export.ggx_fit`` prints the table.
 
 Both lobes are compared where light and camera coincide, for there the half angle alone varies: no

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """glTF 2.0: a sphere of the material, as one JSON file or one binary file.
 
 The base is a dielectric of the metallic-roughness model. ``KHR_materials_specular`` makes its

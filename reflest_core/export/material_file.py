@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """An estimate to a material file: the one entrance of this package."""
 
 from __future__ import annotations

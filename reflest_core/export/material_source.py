@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """An estimate as a source of a material: what every exporter is given."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Ward's material in the terms of glTF 2.0 and UsdPreviewSurface.
 
 The mapping, with ``f = base (1 - F) / pi + F lobe``:

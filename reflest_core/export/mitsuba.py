@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Mitsuba 3: a scene of a sphere; its ``bsdf`` element is the material to take elsewhere.
 
 ``ward_scene`` names our plugin ``reflest_ward``, which is the estimate exactly: import

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A small sphere, so that a viewer has something to show the material on."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """USD: a sphere bound to a UsdPreviewSurface, as text (``.usda``).
 
 The specular workflow carries F0 = ``rho_s``. Its Fresnel term rises to 1 at the horizon (Schlick);

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How much of the directions from which voxels can be seen has been seen."""
 
 from __future__ import annotations

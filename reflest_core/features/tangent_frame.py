@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The local frame of a voxel: +z on its normal, azimuth origin at the projection of world up."""
 
 from __future__ import annotations

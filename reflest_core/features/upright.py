@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Worlds that do not have z up, turned so that they do: light comes mostly from above."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Choosing the few voxels that stand for the surface, by clustering position and normal (3.3.1)."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Which pixels of a frame show the light around the object, and where the object sees them."""
 
 from __future__ import annotations

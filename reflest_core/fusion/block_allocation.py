@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Which blocks a frame needs: those near the surface that its depth shows."""
 
 from __future__ import annotations

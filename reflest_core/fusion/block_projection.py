@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Where the voxels of a block appear in an image.
 
 Written as plain loops over the 512 voxels without branches, which the compiler turns into vector

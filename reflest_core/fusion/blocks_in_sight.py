@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Blocks that may appear in an image without being near the surface that it shows."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """F and B: the mean colours of a view's foreground and background (paper, Sec. 3 and Eq. 4)."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Depth edges: pixels whose colour or depth may belong to another surface.
 
 A pixel is on a depth edge if, within ``margin`` pixels of it (a square window), the depth is

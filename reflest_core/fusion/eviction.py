@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Which voxels give way when a new one finds no room.
 
 Worth is ``last_seen + OBSERVATION_WORTH * observations``, in frames: what was seen long ago goes

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Whether the camera's exposure changed in mid-scan, which colours cannot tell from reflectance."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Which pixels show the scanned object, and what the depth image tells about it."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Depth into the truncated signed distance function (Curless & Levoy 1996; paper, Sec. 3.1).
 
 Each voxel keeps the weighted mean of its distance to the tangent plane at the pixel it projects to,

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A hash index from voxel or block keys to rows: open addressing with linear probing.
 
 Half of its slots stay empty. Lookups do not depend on the order of insertion, removal shifts the

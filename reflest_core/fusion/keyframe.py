@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """When an estimate is due: the camera moved, turned, or enough image time passed."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The light seen in the background: a partial environment, gathered from every frame."""
 
 from __future__ import annotations

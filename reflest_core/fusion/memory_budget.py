@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How ``memory_budget_mb`` is shared between the volume, the observation store and the views.
 
 The view table and the light map take fixed parts. The rest is split so that every TSDF block comes

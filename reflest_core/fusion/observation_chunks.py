@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Room for observations, handed out to voxels eight at a time.
 
 A voxel's chunks are chained, the newest first. Its observation in slot ``s`` (they are numbered as

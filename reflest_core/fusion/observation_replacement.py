@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Which observations a full voxel keeps: those that spread over the directions of view.
 
 A new observation replaces one of the two whose directions are closest together, if it is farther

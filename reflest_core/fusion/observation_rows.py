@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The inner loops of the observation store: finding, moving and removing its rows.
 
 All take the store's arrays: ``rows`` and ``chunks``.

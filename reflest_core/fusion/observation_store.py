@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The voxel observation store: what each surface voxel looked like from each view.
 
 An observation is an 8-bit colour and the id of its view: 5 bytes. Its direction is derived from the

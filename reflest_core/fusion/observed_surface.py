@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A frozen copy of what has been seen: the one type that features are built from.
 
 Live scans and SynBRDF scenes both arrive here, so that training and estimation share every line

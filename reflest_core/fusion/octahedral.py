@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Directions as a square image: the octahedral map, cheap to look up and without poles.
 
 Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors". A unit

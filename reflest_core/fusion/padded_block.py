@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A block with one voxel of its neighbours around it, and its gradient.
 
 Flat arrays of 10 x 10 x 10: in them every neighbour is at a fixed distance, so that the loops below

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Frames that show nothing that has not been seen from there often enough.
 
 A frame is redundant if a stored view lies close to it, enough frames near that view have been fused

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The region of interest: a box or a sphere in the world frame that holds the scanned object."""
 
 from __future__ import annotations

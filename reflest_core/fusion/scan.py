@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A scan: frames go in, the observed surface comes out (paper, Sec. 3.1)."""
 
 from __future__ import annotations

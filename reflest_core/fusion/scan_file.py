@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A scan in one file: an uncompressed .npz of plain arrays and a JSON header, without pickle."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How steeply each pixel's surface is seen, from the depth image alone.
 
 With ``a, b`` the pixel in normalised coordinates, ``r = (a, b, 1)`` its ray and

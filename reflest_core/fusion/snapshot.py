@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A frozen copy of the store for the estimator, of bounded size."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Surface voxels: where the zero level of the TSDF passes through a voxel's own cell.
 
 From each sample point one Newton step along the gradient leads to its foot point on the zero level,

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Which voxels stand for a large surface, at a cost that does not grow with it."""
 
 from __future__ import annotations

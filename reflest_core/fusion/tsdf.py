@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The truncated signed distance function: a sparse volume of 8 x 8 x 8 voxel blocks.
 
 Its arrays have a fixed capacity and never move; the operating system hands out their pages as they

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The arrays of a sparse TSDF volume, as its kernels take them."""
 
 from __future__ import annotations

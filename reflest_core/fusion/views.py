@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The stored views: where each camera was, and its F and B."""
 
 from __future__ import annotations

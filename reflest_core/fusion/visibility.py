@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Which surface voxels a view truly sees.
 
 All of these must hold: the voxel projects inside the image; the pixel nearest to it is foreground

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Integer voxel and block coordinates packed into one 64-bit key.
 
 Voxel ``(i, j, k)`` has its sample point at ``(i, j, k) * voxel_size`` in the world frame (as in

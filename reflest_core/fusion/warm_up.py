@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Compile fusion's kernels, or load them from the cache, before frames wait for them."""
 
 from __future__ import annotations

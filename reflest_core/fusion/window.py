@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The part of an image in which the scanned object can appear; the rest need not be looked at."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Kernels shared out between threads, with results that do not depend on how many there are.
 
 A shared kernel is called as ``kernel(start, stop, ...)`` and treats the items from ``start`` to

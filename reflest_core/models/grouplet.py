@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Grouplet: weak regressors on random observations, pooled by moments (section 3.3.2, Figure 4)."""
 
 from __future__ import annotations

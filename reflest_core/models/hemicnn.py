@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """HemiCNN: a siamese CNN over voxel hemisphere images (section 3.3.1, Figure 3)."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """lightnet: what the known light leaves open, read from many small ratios (our own network).
 
 Every number that goes in compares an observation with what the light seen in the background would

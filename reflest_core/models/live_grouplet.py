@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Grouplet as it runs while scanning: NumPy alone, and nothing computed twice.
 
 Nodes share observations, and a branch sees its observation alone. So each distinct observation goes

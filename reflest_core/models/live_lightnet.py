@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """lightnet as it runs while scanning: NumPy alone."""
 
 from __future__ import annotations

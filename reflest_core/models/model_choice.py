@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The ways to estimate that a user can choose from."""
 
 from __future__ import annotations

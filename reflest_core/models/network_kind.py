@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The two networks in PyTorch, each with the features that it eats, for training and for CUDA."""
 
 from __future__ import annotations

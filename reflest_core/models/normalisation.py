@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """z-scores: the training set's mean and standard deviation of each parameter."""
 
 from __future__ import annotations

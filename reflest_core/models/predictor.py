@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """From an observed surface to five parameters: features, network, z-score, one object."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """8-bit weights: one scale for each output channel, so that Grouplet fits the paper's 340 KB."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How many threads an estimate takes: those that it is given, and not one for every core."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A network on a CUDA device, where PyTorch is installed and has one."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Weight files: safetensors with everything that is needed to use and to trust them."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A light to show materials under: an invented studio that no scan and no training scene holds."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A sphere with a Ward BRDF, seen from far along -y: the swatch that people judge materials by."""
 
 from __future__ import annotations

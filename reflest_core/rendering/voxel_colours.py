@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Colours to show a scanned surface by: 8-bit sRGB for each voxel."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Writes an RGB-D sequence as a rosbag2 directory with one MCAP file."""
 
 from __future__ import annotations

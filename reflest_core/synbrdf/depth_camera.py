@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The camera that full images and sequences are seen through: a VGA depth camera's view."""
 
 from __future__ import annotations

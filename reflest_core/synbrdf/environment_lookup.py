@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Radiance that an environment map sends from a direction."""
 
 from __future__ import annotations

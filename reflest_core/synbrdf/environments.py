@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Environment maps: distant light from every direction, as lat-long images.
 
 Convention: z up; row 0 is the zenith. A direction of azimuth ``phi = atan2(y, x)`` lies at the

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Auto exposure locked for a scene, and the camera's 8-bit sRGB response."""
 
 from __future__ import annotations

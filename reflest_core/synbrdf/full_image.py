@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Full RGB-D images: path-traced radiance and the exact depth at the pixel centres.
 
 Importing this module loads Mitsuba.

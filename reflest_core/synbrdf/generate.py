@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Generating the sparse data set: shards come back from workers and are written here."""
 
 from __future__ import annotations

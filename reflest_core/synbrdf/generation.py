@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What a data set is asked to be, and the shards that it is made of."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Images on disk: OpenEXR for linear light and normals, PNG and JPEG for what a camera shows.
 
 Importing this module loads Mitsuba, which writes OpenEXR.

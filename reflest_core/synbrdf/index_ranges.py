@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Which scenes or views are meant: ``7``, ``0:10``, ``0:100:20`` and lists of these."""
 
 from __future__ import annotations

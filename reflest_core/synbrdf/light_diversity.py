@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Light for training that is richer than a folder of environments: mixed, warped, with lamps.
 
 A network that knows two dozen environments by heart fails under the next one. Each draw here is a

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Materials drawn in OpenSurfaces' space: an sRGB colour, contrast and distinctness of gloss."""
 
 from __future__ import annotations

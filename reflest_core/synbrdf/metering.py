@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What a camera exposes a scene for; a rendered scene can be exposed anew without rendering."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Mitsuba 3 with a working LLVM, loaded once and only where something is rendered."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A SynBRDF scene as Mitsuba holds it. Importing this module loads Mitsuba."""
 
 from __future__ import annotations

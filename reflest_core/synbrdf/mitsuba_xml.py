@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A scene of the data set as a Mitsuba 3 file, with its mesh and light beside it.
 
 ``scene.xml`` needs our plugin ``reflest_ward``: ``reflest synbrdf render`` registers it, and so

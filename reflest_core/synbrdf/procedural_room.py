@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Indoor light from a seed: a box room with windows, lamps and furniture, seen from inside."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Natural-looking light from a seed, so that nothing need be downloaded."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Processes of this machine that render shards."""
 
 from __future__ import annotations

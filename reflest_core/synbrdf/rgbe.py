@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Linear radiance in four bytes a pixel: three mantissas and one shared exponent (Ward 1991).
 
 "Real Pixels", Graphics Gems II: the pixel format of ``.hdr`` files, about 1 % precise over 76

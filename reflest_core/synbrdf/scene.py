@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A SynBRDF scene before it is rendered: everything that its seed decides."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """SynBRDF scenes on disk: shards of scenes in one safetensors file each, and a manifest."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Full images of scenes of the data set: what the sparse observations were taken from.
 
 Importing this module loads Mitsuba.

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The light that a camera sees behind the object of a scene: what a live scan would gather."""
 
 from __future__ import annotations

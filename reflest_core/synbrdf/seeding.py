@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """One independent stream of random numbers for each purpose of each scene."""
 
 from __future__ import annotations

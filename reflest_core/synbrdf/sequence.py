@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Renders an RGB-D sequence into a rosbag2 directory with its truth beside it.
 
 Importing this module loads Mitsuba.

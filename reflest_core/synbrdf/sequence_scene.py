@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What an RGB-D sequence shows: everything that its seed and its user decide."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The side file of a sequence: the truth, in the estimate's own field names."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Rendering one shard, in whichever process it is asked for."""
 
 from __future__ import annotations

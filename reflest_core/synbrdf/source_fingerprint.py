@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Which code made a data set: a hash of the sources that decide its bytes."""
 
 from __future__ import annotations

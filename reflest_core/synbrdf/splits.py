@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Which environments and meshes a split may draw from: *unseen* shares none with the others."""
 
 from __future__ import annotations

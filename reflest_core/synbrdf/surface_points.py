@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Points spread over a mesh: the voxels of a sparse scene."""
 
 from __future__ import annotations

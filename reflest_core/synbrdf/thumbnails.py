@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A small image of every view of a scene: what the camera saw of the object's surroundings."""
 
 from __future__ import annotations

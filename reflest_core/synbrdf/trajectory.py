@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The path of a hand that walks a camera round an object and films it."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Where the cameras of a sparse scene stand: hand-held orbits, caps and full spheres."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The isotropic Ward BRDF as a Mitsuba plugin (Mitsuba has none of its own).
 
 Importing this module loads Mitsuba.

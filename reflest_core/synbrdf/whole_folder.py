@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Folders that appear whole or not at all."""
 
 from __future__ import annotations

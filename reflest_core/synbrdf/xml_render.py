@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Rendering a Mitsuba file that may hold our plugin ``reflest_ward``.
 
 Importing this module loads Mitsuba.

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How training scenes are varied without untruth: fewer views and voxels, turns, swaps."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Grouplets of a whole minibatch at once: what ``features/grouplets.py`` does for one surface."""
 
 from __future__ import annotations

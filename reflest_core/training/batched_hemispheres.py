@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Hemisphere images of a whole minibatch at once: ``features/hemisphere.py`` for many surfaces."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Minibatches on the training device, made ahead of the optimiser; each from its own seed."""
 
 from __future__ import annotations

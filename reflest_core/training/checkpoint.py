@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Checkpoints: a killed training goes on where it was and ends with the same weights."""
 
 from __future__ import annotations

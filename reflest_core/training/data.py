@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The scenes of a training: from a SynBRDF folder, or packed for another machine."""
 
 from __future__ import annotations

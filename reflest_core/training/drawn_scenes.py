@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A minibatch of scenes, each seen from some of its views at some of its voxels."""
 
 from __future__ import annotations

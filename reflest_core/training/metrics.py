@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The headline figure: RMSE of z-scored parameters; 1.0 is guessing the mean (Tables 2 and 3)."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """J = E_d + lambda E_c (Eq. 3) of a minibatch, from z-scored outputs."""
 
 from __future__ import annotations

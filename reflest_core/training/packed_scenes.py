@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """All scenes of a split as a few flat tensors, so that minibatches are drawn on the device."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The processes that train together: alone, or as torchrun's environment variables say."""
 
 from __future__ import annotations

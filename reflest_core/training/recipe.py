@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How a network is trained: everything that, with the data, decides its weights."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A scene as training sees it: the observed surface, the truth, and where it stood."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Scenes as training sees them in one file, end to end: a twelfth of the data set's bytes."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Voxel choice for a whole minibatch at once: what ``features/voxel_choice.py`` does for one."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The training loop: minibatches in, weight file out; resumable, logged, atomic."""
 
 from __future__ import annotations

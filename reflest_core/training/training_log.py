@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A training's course as CSV, and for TensorBoard where it is asked for."""
 
 from __future__ import annotations

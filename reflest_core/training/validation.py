@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Validation while training: features are built once, in the live path's own code."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The seven variants of Table 2: which network, loss and lambda each is, and how it is trained."""
 
 from __future__ import annotations

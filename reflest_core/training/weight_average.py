@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A running mean of the weights: steadier than the last ones, at no cost to the estimate."""
 
 from __future__ import annotations

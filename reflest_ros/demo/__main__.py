@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``python -m reflest_ros.demo [--capture BAG] [--output FOLDER]``."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """One picture of the demo: the scan, and spheres of the true and the estimated material."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``python -m reflest_ros.demo.pictures``: the pictures of the views in ``docs/images``.
 
 They are renders of the very messages that the node publishes, by a small renderer of our own; no

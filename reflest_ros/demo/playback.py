@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Estimator and bag player as processes of their own, and a listener to what comes of them."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The capture that the demo plays: a bag, and the truth that the estimator never opens."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Draws the messages of the views as a display would: a cloud and markers in perspective."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What the code has no better place to say; the page fails to be written where one is missing."""
 
 from __future__ import annotations

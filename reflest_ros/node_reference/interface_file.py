@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Reads ``.msg`` and ``.srv`` files with their comments, which are their documentation."""
 
 from __future__ import annotations

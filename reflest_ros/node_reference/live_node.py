@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What a node that runs offers: asked of the node itself, so that the page cannot drift from it."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The page, section by section, as Markdown."""
 
 from __future__ import annotations

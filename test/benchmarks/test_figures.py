@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The arithmetic between a measurement and what is published."""
 
 from __future__ import annotations

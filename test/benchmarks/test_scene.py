@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The scene that is measured on must be what it says: exact geometry, steady, hand-held."""
 
 from __future__ import annotations

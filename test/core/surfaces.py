@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Small observed surfaces for tests: points on a sphere seen from a ring of cameras."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Every field of every message damaged: no crash, no frame of nonsense, the store unharmed.
 
 Messages go the whole way, through the assembler into the scan. Each example damages some fields of

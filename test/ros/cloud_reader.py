@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Reads a point cloud as a viewer does: by the offsets and types that the message gives."""
 
 from __future__ import annotations

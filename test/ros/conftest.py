@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A domain for each test module, the node as a process, and what peers need."""
 
 from __future__ import annotations

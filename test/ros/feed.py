@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Views of the sphere sent to the node one after another, and what it says of bad ones."""
 
 from __future__ import annotations

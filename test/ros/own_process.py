@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Programs of the package as processes of their own, and what they print."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The other side of the node's topics and services, in the test's process."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The sphere scene as ROS messages, and as a bag."""
 
 from __future__ import annotations

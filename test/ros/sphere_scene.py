@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A sphere on a table, ray-cast in numpy: the capture that the node's tests send."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A node that is killed in mid-scan goes on with the scan when it is started again."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Bad poses, frames and stamps: one named warning, a diagnostic, and the next frames are fused."""
 
 from __future__ import annotations

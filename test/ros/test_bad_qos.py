@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Publishers that quality of service keeps from being heard are named, with the fix."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A bag played over DDS, against ``reflest replay`` of the same bag; the services on the result.
 
 The tests of this module share one node and go on from one another's scan.

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The bag player: whole, cut off and unusable bags."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The parameter files of the cameras, and the launch file that chooses among them."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Time that goes back: a bag that loops, and a simulated clock that is set back."""
 
 from __future__ import annotations

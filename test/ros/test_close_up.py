@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The demo's close-up: cut around what has depth, whole where that fills the image."""
 
 from __future__ import annotations

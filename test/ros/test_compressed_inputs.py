@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Compressed colour and depth, and odometry, as a robot sends them over a thin line."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What the node says about a scan that goes on: rates, silence, exposure and a full store."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The message holds exactly the estimate's fields, and gives back what it was given."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Every field of every interface says what it holds; the message says it in full."""
 
 from __future__ import annotations

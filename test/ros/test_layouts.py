@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The layouts for RViz and Foxglove name topics that the node has, with a QoS that fits."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The managed node: what each transition gives and takes."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """ROS' own linters, as far as they can be had as wheels; CMakeLists.txt calls all of them."""
 
 from __future__ import annotations

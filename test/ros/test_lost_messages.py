@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What best effort loses between two processes is counted and warned of, with the fix."""
 
 from __future__ import annotations

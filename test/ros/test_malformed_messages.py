@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Dozens of malformed messages to one node: it lives on and fuses the next good frames."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Two robots in one graph: a namespace each, and nothing of one reaches the other."""
 
 from __future__ import annotations

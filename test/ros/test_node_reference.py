@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``docs/node.md`` is what the code and a node that runs give."""
 
 from __future__ import annotations

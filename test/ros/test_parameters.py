@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Parameters: described and ranged, refused with the reason, and the YAML that lists them."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The renderer of the documentation's pictures puts things where a display would."""
 
 from __future__ import annotations

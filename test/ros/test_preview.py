@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The picture as a message that any viewer shows."""
 
 from __future__ import annotations

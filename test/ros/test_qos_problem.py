@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The sentence about publishers that cannot be heard, for each policy."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Pausing, exporting and moving the region of interest, while frames are fused.
 
 The tests share one node; each sends views with stamps after all before it.

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Ten minutes of a looping bag, as fast as the node takes them: nothing grows, nothing is lost."""
 
 from __future__ import annotations

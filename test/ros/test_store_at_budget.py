@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A store that fills its budget says so, and goes on with the surface that it sees."""
 
 from __future__ import annotations

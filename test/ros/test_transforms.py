@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Poses from /tf across processes, and depth that is registered with /tf_static."""
 
 from __future__ import annotations

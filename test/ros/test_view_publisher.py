@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Messages are made for those who look, and for nobody else."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What a display sees of a node in another process.
 
 The tests of this module share one node and go on from one another's scan.

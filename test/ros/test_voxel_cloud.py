@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The cloud as a message, in its three colourings and its bound."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The two threads, without DDS: what is dropped, skipped, forgotten, and what a crash does."""
 
 from __future__ import annotations

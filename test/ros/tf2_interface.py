@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """tf2_msgs for tests: the installed one, else its one message built here (PyPI has none)."""
 
 from __future__ import annotations

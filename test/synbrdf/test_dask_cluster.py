@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The data set from a Dask cluster: two workers on this machine, the same bytes."""
 
 import os

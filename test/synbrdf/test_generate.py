@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The data set on disk: the same bytes from the same seed, however the run went."""
 
 import dataclasses

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 import pytest
 
 from reflest_core.synbrdf.index_ranges import IndexRangeError, parse_indices

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """SIGKILL in the middle of a real run: what is left is whole, and the next run completes it."""
 
 import signal

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Light for training: new with every draw, natural in kind, and only in training scenes."""
 
 import numpy as np

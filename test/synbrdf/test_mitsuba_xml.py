@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Scenes as Mitsuba files show what our own renderer shows."""
 
 import cv2

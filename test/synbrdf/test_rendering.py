@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What is traced, against quadrature and geometry in numpy."""
 
 import numpy as np

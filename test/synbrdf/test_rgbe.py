@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Four bytes a pixel: within half a step of the brightest channel, and the known bytes of 1.0."""
 
 import numpy as np

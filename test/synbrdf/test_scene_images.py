@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Full images of the data set's scenes against its sparse observations of the same pixels."""
 
 import json

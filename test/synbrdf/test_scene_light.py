@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The light gathered from a scene's thumbnails is the environment that lit it, in part."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """An RGB-D sequence as others read it: topics, stamps, and geometry against an analytic sphere."""
 
 import json

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Our Mitsuba plugin against the library's own Ward, and its sampling against its density."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflest synbrdf``: one module in this package for each product."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflest synbrdf card``: the data card's pictures and numbers."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflest synbrdf generate``: the sparse data set."""
 
 from __future__ import annotations

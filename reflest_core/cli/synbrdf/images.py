@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflest synbrdf images``: full RGB-D images of the data set's scenes."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflest synbrdf measure``: what the constants of realism were set by."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflest synbrdf render``: a Mitsuba file with our BSDF, as an image."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Options that choose scenes and views of a data set."""
 
 from __future__ import annotations

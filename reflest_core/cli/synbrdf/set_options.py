@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Options that say which data set is meant; the same ones give the same scenes everywhere."""
 
 from __future__ import annotations

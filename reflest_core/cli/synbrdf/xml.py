@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflest synbrdf xml``: the data set's scenes as Mitsuba files."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Completing a partial environment: unseen directions take the mean of what lies around them."""
 
 from __future__ import annotations

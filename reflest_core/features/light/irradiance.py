@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Diffuse light on a surface of any normal, and how much of its origin was seen."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The light in rings of elevation: what is known of it, whichever way the scene is turned."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How well each roughness explains the observations: least squares over one voxel and over all.
 
 With the true light and roughness, ``apparent = rho_d + rho_s * lobe(alpha)`` in every channel; so

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Each observation beside what the known light would do there: the input of ``lightnet``.
 
 Everything is a ratio to the voxel's own diffuse light, so that neither exposure nor the light's

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The light that a Ward lobe gathers, for several roughnesses (Ward 1992, Eq. 7 and 8)."""
 
 from __future__ import annotations

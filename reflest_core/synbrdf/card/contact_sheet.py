@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Many scenes at a glance, as the paper's Figure 5: first views, some with their depth.
 
 Importing this module loads Mitsuba.

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Histograms of what the scenes of a set were drawn as."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What the full images of a scene are: a row of pictures for each.
 
 Colour, the same three stops darker (the HDR image), depth, normals, mask, and colour and depth with

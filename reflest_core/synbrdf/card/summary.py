@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """One line about each scene of a generated set."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How far a fused surface is from the true one, with and without the faults of a depth camera.
 
 Renders hand-held scans, fuses them with the estimator's own ``Scan`` and compares every voxel of

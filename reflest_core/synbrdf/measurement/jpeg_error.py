@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What JPEG does to lone pixels of an object, by the codec itself on rendered images.
 
 Importing this module loads Mitsuba.

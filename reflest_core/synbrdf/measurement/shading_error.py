@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How far the shading normals of procedural shapes are from those of their triangles."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The faults of one camera on its way round one object, the same for sparse scenes and images."""
 
 from __future__ import annotations

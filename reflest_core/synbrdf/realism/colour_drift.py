@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Exposure and white balance that wander from view to view, as a camera's automatics do."""
 
 from __future__ import annotations

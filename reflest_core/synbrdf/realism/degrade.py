@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A sparse scene as a real capture would have given it."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Where a depth camera sees nothing: surfaces that it grazes."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Depth as a structured-light camera of the first Kinect's kind measures it."""
 
 from __future__ import annotations

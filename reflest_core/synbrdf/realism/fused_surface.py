@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Normals and positions of a surface that was fused from real depth, not modelled.
 
 The figures are what ``reflest synbrdf measure fusion`` finds with our own ``Scan`` at 5 mm, a

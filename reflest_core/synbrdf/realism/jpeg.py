@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """JPEG artefacts: a real codec for images, and what it does to lone pixels for sparse scenes."""
 
 from __future__ import annotations

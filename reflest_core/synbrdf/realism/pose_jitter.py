@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Camera poses as a tracker reports them: near the truth."""
 
 from __future__ import annotations

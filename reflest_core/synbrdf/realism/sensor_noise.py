@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Shot and read noise of an image sensor, in linear light before it is quantised."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Which faults of a real capture are imitated, and how far each goes."""
 
 from __future__ import annotations

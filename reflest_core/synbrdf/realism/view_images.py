@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What drifting colours make of a scene's thumbnails: their own pixels, and each view's F and B."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Metaballs: a smooth blob from a handful of Gaussian bumps."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Constructive solids: unions of primitives, some of them cut away."""
 
 from __future__ import annotations

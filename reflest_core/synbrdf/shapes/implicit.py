@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Surfaces as the zero set of a field, made into triangles by marching cubes."""
 
 from __future__ import annotations

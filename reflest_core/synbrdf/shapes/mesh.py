@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A triangle mesh with shading normals, as the renderer takes it."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Meshes from disk: a folder of .obj and .ply files, or of .npz collections."""
 
 from __future__ import annotations

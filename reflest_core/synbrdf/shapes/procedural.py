@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Procedural shapes without end: every generator state gives another."""
 
 from __future__ import annotations

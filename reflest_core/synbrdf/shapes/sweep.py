@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Swept forms: a closed tube along a smooth curve in space."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Minibatches of looks for ``lightnet``: fewer voxels and observations, turned, colours swapped."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Training ``lightnet``: resumable, logged, the best mean weights on validation kept."""
 
 from __future__ import annotations

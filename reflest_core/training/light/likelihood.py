@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The loss of ``lightnet``: a Gaussian likelihood that does not give up on hard scenes."""
 
 from __future__ import annotations

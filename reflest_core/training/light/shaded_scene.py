@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A SynBRDF scene as ``lightnet`` sees it: some views, some voxels, their shading."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Shading of every scene of a data set, made once: a file beside each shard, in parallel."""
 
 from __future__ import annotations

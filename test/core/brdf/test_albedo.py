@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Directional albedo: brute-force integration, and the bound that the 2010 variant adds."""
 
 import math

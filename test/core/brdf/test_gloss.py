@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Ward <-> Lab/c,d (Eq. 2)."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Lab against the colour-science library, the transfer curve against its standard's values."""
 
 import colour

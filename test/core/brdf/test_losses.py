@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """E_d and E_c: hand-computed values, an independent integral, gradients."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Ward's BRDF: hand-computed values, reciprocity, agreement of numpy and torch, gradients."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A short recording of a sphere on a plane, as messages, and writers for every kind of capture."""
 
 import math

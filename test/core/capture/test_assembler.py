@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Messages to frames: what a frame holds, and each refusal by its cause with the rest unharmed."""
 
 import math

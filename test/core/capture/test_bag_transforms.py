@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Bags whose poses are in /tf, whose depth is not registered, or that start again."""
 
 from dataclasses import replace

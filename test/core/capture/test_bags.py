@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Real bag files: round trips, orders, compressions, and damage at every place."""
 
 import numpy as np

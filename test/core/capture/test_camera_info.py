@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Calibration: every field checked, ROI and binning applied, distortion taken out or refused."""
 
 import math

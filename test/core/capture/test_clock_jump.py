@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A clock that jumps back: told once, what waits is dropped, and the next frames come out.
 
 The first message far back may be a mistake, so that a jump costs the frame it belongs to.

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Images: every encoding, step and byte order; units; refusals by name; nothing crashes."""
 
 import contextlib

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Depth in its own camera's frame: registered where all is known, else refused by name."""
 
 from dataclasses import replace

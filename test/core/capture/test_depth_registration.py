@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Registered depth equals a brute-force search, and a plane stays where it is."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """7-Scenes and TUM folders: frames as written, odd files refused, what is missing named."""
 
 import os

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Matching in time: nearest depth, bracketing poses, and no dependence on the order of arrival."""
 
 import random

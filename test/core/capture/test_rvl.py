@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """RVL depth: a slow encoder written from the paper and the decoder agree; damage is refused."""
 
 import struct

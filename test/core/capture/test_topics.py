@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Topics are found where unambiguous; else the sentence lists candidates and the option."""
 
 import pytest

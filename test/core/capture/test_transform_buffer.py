@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """tf without tf2: chains, interpolation and refusals; nothing unknown becomes the identity."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Poses from tf: waited for, looked up at the image's stamp, given up, never made up."""
 
 import random

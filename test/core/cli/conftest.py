@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A recorded bag and an untrained network, made once for all tests of the command line."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The installed command as a user runs it: exit codes, one-line errors, no traceback."""
 
 import json

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflest replay``: what it prints and writes, and one sentence for everything that is wrong."""
 
 import json

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The live path in one object: what an estimate says of the scan that it comes from."""
 
 import pytest

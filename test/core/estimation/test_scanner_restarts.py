@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How a scan goes on, or not, after a clock jump, in another region and from a file."""
 
 import dataclasses

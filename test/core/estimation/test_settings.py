@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Settings from YAML: what is absent keeps its default, what is wrong is named."""
 
 import pytest

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """After warming up no estimate waits for a compiler, whichever network and scan it is of."""
 
 import dataclasses

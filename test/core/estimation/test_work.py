@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What an estimate costs, counted in work, for seconds say little on a busy machine."""
 
 from collections import Counter

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A tiny data set and three variants trained on it for a moment."""
 
 import pytest

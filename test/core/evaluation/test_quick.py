@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The shipped weights repeat a row of Table 2 on the shipped validation scenes."""
 
 import subprocess

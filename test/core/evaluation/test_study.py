@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``reflest evaluate`` measures every part and writes a page that holds the records' figures."""
 
 import json

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The albedo by sampling half vectors, against a plain sum over the hemisphere."""
 
 import math

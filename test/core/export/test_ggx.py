@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The lobe against what is known of GGX, the table against a fit made anew."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Trimesh reads what was written; the extension's values mean what the specification says."""
 
 import json

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What is refused, in one sentence, and that no half file is left."""
 
 import json

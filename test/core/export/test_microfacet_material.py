@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Known values of the mapping, and that it gives Ward's material back."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Mitsuba loads and renders both scenes."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Grouplets: what a branch holds, its order, sampling without replacement, repeatability."""
 
 import dataclasses

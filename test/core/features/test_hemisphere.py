@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Hemisphere images: where an observation lands, nearest-neighbour fill, the azimuth origin."""
 
 import dataclasses

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Turning a world upright: up becomes +z and nothing else changes."""
 
 import dataclasses

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Voxel choice: spread over position and normal, well observed, deterministic."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Spheres rendered analytically: exact depth, one known colour per view and sphere."""
 
 from __future__ import annotations

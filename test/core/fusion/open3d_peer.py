@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Open3D's VoxelBlockGrid as a peer to hold our surface to.
 
 open3d links to the system's libusb-1.0 (Debian ``libusb-1.0-0``); where there is none, the one in

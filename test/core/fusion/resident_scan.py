@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Scans a corridor far beyond its memory budget and prints what the process grew by.
 
 Run as a script with BUDGET_MB: a fresh process, in which nothing else has left memory behind.

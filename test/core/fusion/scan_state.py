@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Everything a scan holds, to compare bit for bit."""
 
 from __future__ import annotations

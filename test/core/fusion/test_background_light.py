@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Background pixels: which, of what colour, and in which direction the object sees them."""
 
 import dataclasses

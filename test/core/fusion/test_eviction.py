@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Eviction takes the least worthy voxels that the present frame does not see, and no more."""
 
 import hypothesis.strategies as st

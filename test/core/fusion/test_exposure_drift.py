@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Exposure drift: known gains, a moving camera's content, and what cannot be known."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The octahedral map as a map of the sphere, and what the light map remembers of pixels."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The pool hands chunks out and takes them back without losing or sharing any."""
 
 import hypothesis.strategies as st

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Frames that show nothing new from a place seen often are skipped, and only they."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """``memory_budget_mb`` bounds what the process holds; a full scan still takes in what it sees."""
 
 import json

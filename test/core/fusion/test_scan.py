@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A scan of an analytic sphere scene reproduces what was put in."""
 
 import copy

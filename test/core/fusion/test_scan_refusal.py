@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A refused frame says why and leaves the scan as it was, bit for bit."""
 
 import dataclasses

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Thinning: a small surface whole, a large one evenly and well observed, with little looking."""
 
 import numpy as np

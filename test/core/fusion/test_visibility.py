@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Each criterion by which a view truly sees a voxel."""
 
 import numpy as np

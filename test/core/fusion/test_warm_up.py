@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """After warming up no frame waits for a compiler, whatever its arrays look like."""
 
 import dataclasses

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Looking only where the object can be gives the scan that looking everywhere gives."""
 
 import dataclasses

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How much work frames cost, counted rather than timed, and so steady on any machine."""
 
 import dataclasses

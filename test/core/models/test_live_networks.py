@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The networks as they run while scanning: PyTorch's results, repeatable, nothing done twice."""
 
 import subprocess

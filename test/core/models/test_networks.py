@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The two networks: the paper's sizes, and what their outputs may and may not depend on."""
 
 import torch

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Threads of an estimate: bounded, and nobody's limit is lifted by another's end."""
 
 import pytest

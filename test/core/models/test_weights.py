@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Weight files: round trip, the 8-bit form's error and size, every kind of damage."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """The swatch sphere: a white furnace, a light's known radiance, the highlight's place."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Scenes whose colours simply are the material, so that a network can learn them in a moment."""
 
 import json

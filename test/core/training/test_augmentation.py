@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What is drawn changes what was seen, never what is true of it."""
 
 import numpy as np

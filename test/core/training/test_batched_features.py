@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Features of a whole minibatch are those that the live path builds for each surface."""
 
 import dataclasses

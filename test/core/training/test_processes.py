@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Processes that torchrun starts share each minibatch and end with one process' weights."""
 
 import os

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Training learns, resumes to the same weights, and refuses what does not belong together."""
 
 import csv

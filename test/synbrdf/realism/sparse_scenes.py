@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A sparse scene made by hand: a ball in smooth light, seen from all round."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Each fault of a real capture does to a sparse scene what it does to a capture."""
 
 import dataclasses

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """A structured-light camera in front of planes whose depth is known."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """What realism's constants are measured with, on scans small enough for a test."""
 
 import dataclasses

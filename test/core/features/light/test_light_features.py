@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Light features against light that has an answer in closed form."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Lines with a known slope and intercept are found, and nothing is claimed without evidence."""
 
 import numpy as np

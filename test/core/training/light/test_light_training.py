@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Training lightnet: variations stay true, the loss has known values, a killed run goes on."""
 
 import dataclasses
