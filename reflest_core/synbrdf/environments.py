@@ -18,8 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.errors import ReflestError
+from reflest_core.synbrdf.cubemap import look_up, read_cubemap
 from reflest_core.synbrdf.procedural_sky import procedural_sky
 
+CUBEMAP_HEIGHT = 512
+"""Rows at which a cube map is looked up before its areas are averaged."""
 SKY_PREFIX = "sky-"
 """Procedural skies are named by their seed, ``sky-0`` and so on."""
 
@@ -45,20 +48,21 @@ def procedural_skies(count: int) -> list[EnvironmentSource]:
 def find_environments(path: Path) -> list[EnvironmentSource]:
     """List the environments in a file or folder, sorted by name.
 
-    Reads .hdr and .exr files, and .npz collections of ``NAME`` (H, W, 3) in linear Rec. 709.
+    Reads .hdr and .exr files, .ktx cube maps (``NAME_skybox.ktx`` of Open3D, say), and .npz
+    collections of ``NAME`` (H, W, 3) in linear Rec. 709.
     """
     if not path.exists():
         raise EnvironmentUnreadable(f"there is no environment file or folder at {path}")
     files = sorted(path.iterdir()) if path.is_dir() else [path]
     sources: list[EnvironmentSource] = []
     for file in files:
-        if file.suffix.lower() in (".hdr", ".exr"):
+        if file.suffix.lower() in (".hdr", ".exr", ".ktx"):
             sources.append(EnvironmentSource(file.stem, file))
         elif file.suffix.lower() == ".npz":
             sources += [EnvironmentSource(name, file, name) for name in _collection_names(file)]
     if not sources:
         raise EnvironmentUnreadable(
-            f"{path} holds no environment: it needs .hdr, .exr or .npz files"
+            f"{path} holds no environment: it needs .hdr, .exr, .ktx or .npz files"
         )
     return sorted(sources, key=lambda source: source.name)
 
@@ -137,6 +141,8 @@ def _read(source: EnvironmentSource) -> NDArray[np.float32]:
     if source.member is not None:
         with np.load(source.path) as archive:
             return np.asarray(archive[source.member], np.float32)
+    if source.path.suffix.lower() == ".ktx":
+        return look_up(read_cubemap(source.path), directions(CUBEMAP_HEIGHT))
     # OpenCV reads OpenEXR only where the process asks for it.
     os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
     import cv2
