@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import hashlib
+from functools import cache
 from pathlib import Path
 
 import reflest_core
@@ -12,8 +13,9 @@ import reflest_core
 PARTS = ("brdf", "synbrdf")
 
 
+@cache
 def source_fingerprint() -> str:
-    """SHA-256 (hex) over the Python files of :data:`PARTS`, by name."""
+    """SHA-256 (hex) over the Python files of :data:`PARTS`, by name, as this process found them."""
     root = Path(reflest_core.__file__).parent
     digest = hashlib.sha256()
     for path in sorted(path for part in PARTS for path in (root / part).rglob("*.py")):
