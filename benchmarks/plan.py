@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """How much is measured: the sizes of every measurement, in one place."""
 
 from __future__ import annotations
@@ -11,7 +13,8 @@ class Plan:
 
     ``frame_path``: frames through the whole path; ``peer_frames``: those that Open3D fuses too;
     ``memory_frames``: those whose stages' memory is measured, untimed. ``estimates``: of each
-    model; ``growth_estimates``: of each model and size. ``growth_frames``: for each of the
+    model; ``growth_estimates``: of each model and size. ``is_compiled``: compare
+    with ``torch.compile`` too. ``growth_frames``: for each of the
     ``voxel_sizes`` (mm), ``resolutions`` and regions. ``store_voxels``: sizes of a store at
     ``store_voxel_size`` mm. ``view_counts``: views of a scan. ``memory_strip``: frames along a
     floor too large for ``memory_budget_mb``. ``starts``: fresh processes that start up.
@@ -26,6 +29,7 @@ class Plan:
     memory_frames: int = 40
     estimates: int = 200
     growth_estimates: int = 20
+    is_compiled: bool = True
     growth_frames: int = 30
     voxel_sizes: tuple[float, ...] = (10.0, 5.0, 3.0)
     resolutions: tuple[tuple[int, int], ...] = ((320, 240), (640, 480), (1280, 720))
@@ -66,6 +70,7 @@ TINY = Plan(
     memory_frames=3,
     estimates=2,
     growth_estimates=2,
+    is_compiled=False,
     growth_frames=4,
     voxel_sizes=(20.0, 10.0),
     resolutions=((80, 60), (160, 120)),

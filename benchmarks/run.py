@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Runs all measurements one after another, each in a fresh process."""
 
 from __future__ import annotations
@@ -43,7 +45,7 @@ def run(plan: Plan, cache: Path, capture: Path | None = None) -> dict[str, Any]:
         results["frame_path"][key], results["open3d"][key] = path, peers
         results["estimation"][key] = measured(
             f"{MEASUREMENTS}.estimation", threads, capture=bag, frames=plan.frame_path,
-            estimates=plan.estimates, threads=threads,
+            estimates=plan.estimates, threads=threads, is_compiled=plan.is_compiled,
         )  # fmt: skip
     most = max(plan.threads)
     _say("growth with voxel size, resolution and region")

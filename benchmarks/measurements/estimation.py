@@ -1,15 +1,25 @@
-"""Estimates from one scan, each model: what we ship against PyTorch run eagerly."""
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Estimates from one scan, each model: what we ship, and PyTorch on the same features."""
 
 from __future__ import annotations
 
 import dataclasses
 import itertools
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import torch
 
-from benchmarks.measurements.stages import ESTIMATE, ESTIMATION_STAGES, NETWORK
+from benchmarks.measurements.stages import (
+    COMPILED,
+    EAGER,
+    ESTIMATE,
+    ESTIMATION_STAGES,
+    NETWORK,
+    SHIPPED_KIND,
+)
 from benchmarks.measuring.resident_memory import forget_peak, peak_mb, resident_mb
 from benchmarks.measuring.stage_clock import StageClock
 from benchmarks.measuring.timing import Timing
@@ -19,17 +29,20 @@ from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
 from reflest_core.features.voxel_choice import choose_voxels
 from reflest_core.models.model_choice import MODELS
-from reflest_core.models.network_kind import LIVE_DRAW, NETWORKS
+from reflest_core.models.network_kind import LIVE_DRAW, NETWORKS, Inputs
 from reflest_core.models.weights import SHIPPED, load_weights
 
 WARM_UP = 3
 """Estimates before the first that counts."""
 
 
-def measure(capture: str, frames: int, estimates: int, threads: int) -> dict[str, Any]:
+def measure(
+    capture: str, frames: int, estimates: int, threads: int, is_compiled: bool
+) -> dict[str, Any]:
     """Scan the first ``frames``, then estimate ``estimates`` times with every model.
 
-    ``threads``: of the network.
+    ``threads``: of the network. ``is_compiled``: compare with ``torch.compile`` too, which
+    takes its time.
     """
     settings = table_settings()
     scanner = Scanner(settings)
@@ -41,9 +54,10 @@ def measure(capture: str, frames: int, estimates: int, threads: int) -> dict[str
         scanner.estimator = Estimator(
             dataclasses.replace(settings.estimation, model=model, threads=threads)
         )
+        kinds = {SHIPPED_KIND: _shipped(scanner, snapshot, estimates)}
+        kinds |= _peers(model, snapshot, estimates, is_compiled)
         models[model] = {
-            "shipped": [dataclasses.asdict(one) for one in _shipped(scanner, snapshot, estimates)],
-            "eager": [dataclasses.asdict(one) for one in _eager(model, snapshot, estimates)],
+            kind: [dataclasses.asdict(one) for one in timings] for kind, timings in kinds.items()
         }
     return {"models": models, "voxels": snapshot.surface.voxel_count, "peak_mb": peak_mb()}
 
@@ -63,7 +77,9 @@ def _shipped(scanner: Scanner, snapshot: KeyframeSnapshot, count: int) -> list[T
     return clock.timings({ESTIMATE: max(peak_mb() - before, 0.0)})
 
 
-def _eager(model: str, snapshot: KeyframeSnapshot, count: int) -> list[Timing]:
+def _peers(
+    model: str, snapshot: KeyframeSnapshot, count: int, is_compiled: bool
+) -> dict[str, list[Timing]]:
     """The network as the module that was trained, run by PyTorch on the same features."""
     choice = MODELS[model]
     kind = NETWORKS[choice.network]
@@ -73,12 +89,19 @@ def _eager(model: str, snapshot: KeyframeSnapshot, count: int) -> list[Timing]:
     module.eval()
     voxels = choose_voxels(snapshot.surface, choice.voxels)
     inputs = kind.features(snapshot.surface, voxels, LIVE_DRAW)
+    runners: dict[str, Callable[..., torch.Tensor]] = {EAGER: module}
+    if is_compiled:
+        runners[COMPILED] = torch.compile(module)
+    return {name: _run(run, inputs, count) for name, run in runners.items()}
+
+
+def _run(run: Callable[..., torch.Tensor], inputs: Inputs, count: int) -> list[Timing]:
     clock = StageClock(())
     with torch.inference_mode():
         for number in range(WARM_UP + count):
             if number == WARM_UP:
                 clock.seconds.clear()
             with clock.timing(NETWORK):
-                module(*(tensor[None] for tensor in inputs))
+                run(*(tensor[None] for tensor in inputs))
             clock.lap()
     return clock.timings()

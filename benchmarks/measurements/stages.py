@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Where each stage of the live path is done."""
 
 from __future__ import annotations
@@ -15,6 +17,8 @@ FRAME = "frame: assemble and fuse"
 ESTIMATE = "estimate"
 PUBLISH = "publish"
 NETWORK = "network"
+SHIPPED_KIND, EAGER, COMPILED = "shipped", "PyTorch eager", "torch.compile"
+"""Who runs the network."""
 
 CAPTURE_STAGES = (
     Stage("match", ("reflest_core.capture.matching:Matcher.add",)),

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Tables of stages: the live path, the peer, the models."""
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ from benchmarks.measurements.stages import (
     FUSE_REDUNDANT,
     NETWORK,
     PUBLISH,
+    SHIPPED_KIND,
 )
 from benchmarks.report.table import number, table
 
@@ -75,17 +78,15 @@ def open3d_section(results: dict[str, Any]) -> str:
 
 
 def estimation_section(results: dict[str, Any]) -> str:
-    """Every model, stage by stage, and PyTorch's eager mode on the same inputs."""
+    """Every model, stage by stage, and PyTorch on the same inputs."""
     rows = []
     for key, run in results["estimation"].items():
         for model, kinds in run["models"].items():
             for kind, timings in kinds.items():
                 for one in sorted(timings, key=lambda one: _place(one["name"])):
                     name = f"**{one['name']}**" if one["name"] in WHOLES else one["name"]
-                    row = [
-                        f"{model}, {_threads(key)}: {name}"
-                        + (", PyTorch eager" * (kind == "eager"))
-                    ]
+                    peer = "" if kind == SHIPPED_KIND else f", {kind}"
+                    row = [f"{model}, {_threads(key)}: {name}{peer}"]
                     row += [str(one["count"]), *(number(one[p]) for p in PERCENTILES)]
                     rows.append([*row, number(one["memory_mb"])])
     return table(("model and stage", "runs", "p50", "p95", "p99", "adds MB"), rows)

@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """One tiny run of everything: whether all is measured and published, not how fast it is."""
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ import pytest
 from benchmarks.measurements.stages import (
     ASSEMBLE,
     CAPTURE_STAGES,
+    EAGER,
     ESTIMATE,
     ESTIMATION_STAGES,
     FRAME,
@@ -22,6 +25,7 @@ from benchmarks.measurements.stages import (
     FUSION_STAGES,
     NETWORK,
     PUBLISH,
+    SHIPPED_KIND,
 )
 from benchmarks.measuring.machine import ROOT
 from benchmarks.plan import TINY
@@ -91,9 +95,9 @@ def test_models_are_timed_stage_by_stage_and_against_eager_torch(results):
     assert set(models) == set(MODELS)
     for model, kinds in models.items():
         feature = "hemisphere images" if MODELS[model].network == "hemicnn" else "grouplets"
-        assert {"voxel choice", feature, NETWORK, ESTIMATE} <= names(kinds["shipped"])
-        assert names(kinds["eager"]) == {NETWORK}
-        assert all(one["count"] == TINY.estimates for one in kinds["eager"])
+        assert {"voxel choice", feature, NETWORK, ESTIMATE} <= names(kinds[SHIPPED_KIND])
+        assert names(kinds[EAGER]) == {NETWORK}
+        assert all(one["count"] == TINY.estimates for one in kinds[EAGER])
 
 
 def test_open3d_fuses_the_same_frames_with_and_without_colour(results):
