@@ -22,7 +22,8 @@ class FusedFrame:
 
     ``blocks_looked_at``: TSDF blocks whose voxels were projected. ``blocks_changed``: those
     updated. ``surface_voxels``: found in them. ``voxels_seen``: those that the frame truly sees.
-    ``observations_kept``: observations added by it.
+    ``observations_kept``: observations added by it. The last three are 0 where ``view`` knew so
+    much of the frame that only its depth was fused.
     """
 
     stamp_ns: int

@@ -1,14 +1,17 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Frames that show nothing that has not been seen from there often enough.
+"""Frames that show what has been seen from there already.
 
-A frame is redundant if a stored view lies close to it, enough frames near that view have been fused
-already, and a grid of its surface pixels finds stored voxels which such a view observed: more than
-``KNOWN_SHARE`` of all, and ``KNOWN_SHARE_OF_TILE`` in each tile of the image, so that a small thing
-that came or went is noticed. A redundant frame changes nothing.
+A frame is known from a view if that stored view lies close to it, and a grid of its surface pixels
+finds stored voxels which such a view observed: more than ``KNOWN_SHARE`` of all, and
+``KNOWN_SHARE_OF_TILE`` in each tile of the image, so that a small thing that came or went is
+noticed. Of frames known from a view, those that show ``WELL_KNOWN_SHARE`` bring their depth alone,
+and once enough frames were fused near the view, any is redundant: it changes nothing.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +28,7 @@ from reflest_core.jit import compiled, kernel_array
 
 KNOWN_SHARE = 0.8
 KNOWN_SHARE_OF_TILE = 0.5
+WELL_KNOWN_SHARE = 0.95
 
 SAMPLES_ACROSS = 64
 """Pixels of the grid along an image's width."""
@@ -33,16 +37,23 @@ TILE = 8
 """Grid pixels along a tile's edge."""
 
 
-def redundant_view(
+@dataclass(frozen=True)
+class KnownFrame:
+    """``view``: the nearest stored view. ``share``: of the frame that views like it observed."""
+
+    view: int
+    share: float
+
+
+def known_frame(
     frame: Frame,
     pixels: FramePixels,
     store: ObservationStore,
     views: ViewTable,
     voxel_size: float,
     view_spacing: float,
-    frames_per_view: int,
-) -> int | None:
-    """The stored view that makes the frame redundant, or None."""
+) -> KnownFrame | None:
+    """From which view the frame is known, or None."""
     T = kernel_array(frame.T_world_camera, np.float64)
     K = frame.intrinsics.matrix
     stride = max(1, pixels.depth.shape[1] // SAMPLES_ACROSS)
@@ -51,13 +62,14 @@ def redundant_view(
     if not is_sample.any():
         return None
     near = views.near(frame.camera_centre, points[is_sample].mean(axis=0), view_spacing)
-    if len(near) == 0 or views.frames[near[0]] < frames_per_view:
+    if len(near) == 0:
         return None
     is_known = _seen_voxels(points, voxel_size, store.rows, store.pool.chunks, marked(near))
     known, samples = _count_by_tile(is_known), _count_by_tile(is_sample)
-    if known.sum() < KNOWN_SHARE * samples.sum() or np.any(known < KNOWN_SHARE_OF_TILE * samples):
+    share = float(known.sum() / samples.sum())
+    if share < KNOWN_SHARE or np.any(known < KNOWN_SHARE_OF_TILE * samples):
         return None
-    return int(near[0])
+    return KnownFrame(int(near[0]), share)
 
 
 def _count_by_tile(grid: NDArray[np.bool_]) -> NDArray[np.int64]:

@@ -22,7 +22,7 @@ from reflest_core.fusion.memory_budget import MemoryBudget
 from reflest_core.fusion.observation_chunks import ChunkPool
 from reflest_core.fusion.observation_store import ObservationStore
 from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.fusion.redundancy import redundant_view
+from reflest_core.fusion.redundancy import WELL_KNOWN_SHARE, known_frame
 from reflest_core.fusion.region import Region
 from reflest_core.fusion.scan_file import ScanFileError, read_scan, restore_rows, write_scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
@@ -106,13 +106,12 @@ class Scan:
         self.last_stamp_ns = self._clock_ns = frame.stamp_ns
         self.frame_id, self.world_frame_id = frame.frame_id, frame.world_frame_id
         foreground, background = foreground_background_means(whole.rgb, is_foreground)
-        view = redundant_view(
-            frame, pixels, self.store, self.views, self.fusion.voxel_size,
-            self.fusion.view_spacing, self.fusion.frames_per_view,
-        )  # fmt: skip
-        if view is not None:
+        known = known_frame(
+            frame, pixels, self.store, self.views, self.fusion.voxel_size, self.fusion.view_spacing
+        )
+        if known is not None and self.views.frames[known.view] >= self.fusion.frames_per_view:
             return FusedFrame(
-                frame.stamp_ns, frame.frame_id, view, False, True, foreground, background,
+                frame.stamp_ns, frame.frame_id, known.view, False, True, foreground, background,
                 0, 0, 0, 0, 0,
             )  # fmt: skip
         self.frame_number += 1
@@ -123,10 +122,16 @@ class Scan:
         self.store.remove(erased)
         in_sight = self.volume.in_sight(near, frame, self.fusion.max_depth, self.frame_number)
         changed = self.volume.integrate(in_sight, frame, pixels, self.frame_number, threads)
+        if known is not None and known.share >= WELL_KNOWN_SHARE:
+            self.views.frames[known.view] += 1
+            return FusedFrame(
+                frame.stamp_ns, frame.frame_id, known.view, False, False, foreground, background,
+                len(in_sight), len(changed), 0, 0, 0,
+            )  # fmt: skip
         surface = self.volume.extract(changed, threads)
         self.store.move(surface.left, surface.left_to)
-        known = self.store.find(surface.keys, threads)
-        self.store.refresh(known, surface.positions, surface.normals, threads)
+        stored = self.store.find(surface.keys, threads)
+        self.store.refresh(stored, surface.positions, surface.normals, threads)
 
         # The light: the background's colours, in the directions in which the object sees them.
         if len(surface.positions):
@@ -139,7 +144,7 @@ class Scan:
         )
         positions = surface.positions[seen]
         rows = self.store.claim(
-            surface.keys[seen], known[seen], positions, surface.normals[seen], self.frame_number
+            surface.keys[seen], stored[seen], positions, surface.normals[seen], self.frame_number
         )
         has_row = rows >= 0
         rows, colours, positions = rows[has_row], colours[has_row], positions[has_row]

@@ -31,6 +31,20 @@ def test_a_camera_that_stands_still_is_fused_a_few_times_and_then_skipped():
     np.testing.assert_array_equal(last.foreground, fused[0].foreground)
 
 
+def test_a_frame_of_known_surface_brings_its_depth_alone():
+    scan = Scan(SETTINGS, RegionSettings())
+    first, second, moved = [*still(2), render([OBJECT], look_at(orbit(0.06, 24)), 0, stamp_ns=9)]
+    scan.fuse(first)
+    before, observations = scan.volume.blocks.weight.sum(dtype=int), scan.observation_count
+    for frame in (second, moved):
+        fused = scan.fuse(frame)
+        assert (fused.view, fused.is_new_view, fused.is_redundant) == (0, False, False)
+        assert fused.blocks_changed > 0
+        assert (fused.surface_voxels, fused.observations_kept) == (0, 0)
+    assert scan.volume.blocks.weight.sum(dtype=int) > 2.5 * before
+    assert scan.observation_count == observations
+
+
 def test_a_redundant_frame_leaves_the_scan_as_it_was_but_for_the_clock():
     scan = Scan(SETTINGS, RegionSettings())
     *frames, another = still(5)
