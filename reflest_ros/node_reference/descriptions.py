@@ -33,6 +33,7 @@ DIAGNOSTICS = {
     "matched ratio": "Frames for each colour image so far; nan without images.",
     "frames matched": "Colour images that found depth, calibration and pose.",
     "frames fused": "Frames that went into the scan.",
+    "frames redundant": "Those of them that showed nothing new, so that nothing was done.",
     "queue": "Messages and jobs that wait for fusion.",
     "keyframes": "Frames at which an estimate was due.",
     "keyframes skipped": "Keyframes that a newer one replaced before their estimate was begun.",
