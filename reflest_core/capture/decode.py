@@ -11,6 +11,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterable
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,13 +23,13 @@ from reflest_core.capture.compressed import (
 from reflest_core.capture.messages import AnyImage, CompressedImageMessage, ImageMessage
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 
-# Bytes of a pixel, and which of them are red, green and blue.
-COLOUR_ENCODINGS: dict[str, tuple[int, tuple[int, int, int]]] = {
-    "rgb8": (3, (0, 1, 2)),
-    "bgr8": (3, (2, 1, 0)),
-    "rgba8": (4, (0, 1, 2)),
-    "bgra8": (4, (2, 1, 0)),
-    "mono8": (1, (0, 0, 0)),
+# Bytes of a pixel, and OpenCV's conversion to red, green and blue.
+COLOUR_ENCODINGS: dict[str, tuple[int, int | None]] = {
+    "rgb8": (3, None),
+    "bgr8": (3, cv2.COLOR_BGR2RGB),
+    "rgba8": (4, cv2.COLOR_RGBA2RGB),
+    "bgra8": (4, cv2.COLOR_BGRA2RGB),
+    "mono8": (1, cv2.COLOR_GRAY2RGB),
 }
 DEPTH_ENCODINGS = {"16UC1": np.uint16, "32FC1": np.float32}
 MASK_ENCODINGS = ("mono8", "8UC1")
@@ -45,10 +46,12 @@ def decode_colour(message: AnyImage, topic: str) -> NDArray[np.uint8]:
         return decode_compressed_colour(message, topic)
     if message.encoding not in COLOUR_ENCODINGS:
         raise _unsupported(message.encoding, topic, COLOUR_ENCODINGS, "colour", "--rgb-topic")
-    pixel_bytes, channels = COLOUR_ENCODINGS[message.encoding]
+    pixel_bytes, conversion = COLOUR_ENCODINGS[message.encoding]
     rows = _pixel_rows(message, pixel_bytes, topic)
     pixels = rows.reshape(message.height, message.width, pixel_bytes)
-    return np.ascontiguousarray(pixels[:, :, list(channels)])
+    if conversion is None:
+        return pixels.copy()
+    return np.asarray(cv2.cvtColor(pixels, conversion), np.uint8)
 
 
 def decode_depth(message: AnyImage, topic: str, depth_scale: float) -> NDArray[np.float32]:
@@ -122,5 +125,5 @@ def _metres(
     raw: NDArray[np.uint16] | NDArray[np.float32], depth_scale: float
 ) -> NDArray[np.float32]:
     if raw.dtype == np.uint16:
-        return _metres_by_unit(depth_scale)[raw]
+        return _metres_by_unit(depth_scale).take(np.asarray(raw, np.uint16))
     return np.where(np.isfinite(raw) & (raw > 0.0), raw, 0.0).astype(np.float32)
