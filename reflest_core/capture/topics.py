@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from reflest_core.capture.candidate_topic import CandidateTopic
+from reflest_core.capture.candidate_topic import CandidateTopic, without_copies
 from reflest_core.capture.cdr import CAMERA_INFO, COMPRESSED_IMAGE, IMAGE, ODOMETRY, POSE_STAMPED
 from reflest_core.capture.decode import COLOUR_ENCODINGS, DEPTH_ENCODINGS, MASK_ENCODINGS
 from reflest_core.capture.errors import CaptureError
@@ -58,7 +58,7 @@ def choose_topics(
     topics: dict[Role, str] = {}
     needed = [Role.RGB, Role.DEPTH, Role.CAMERA_INFO]
     for role in needed if pose_source == "tf" else [*needed, Role.POSE]:
-        fitting = [topic for topic in candidates if _fits(topic, role)]
+        fitting = without_copies([topic for topic in candidates if _fits(topic, role)])
         if role is Role.RGB:
             fitting = _without_grey(fitting)
         if role is Role.CAMERA_INFO:

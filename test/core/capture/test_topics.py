@@ -145,3 +145,20 @@ def test_a_mask_is_used_only_where_named():
     mask = CandidateTopic("/mask", IMAGE, "mono8")
     assert Role.MASK not in choose([*ALL, mask])
     assert choose([*ALL, mask], mask="/mask")[Role.MASK] == "/mask"
+
+
+def test_of_an_image_and_its_compressed_copies_the_best_is_taken():
+    """A recorder told to take everything takes each image several times."""
+    packed_rgb = CandidateTopic(f"{RGB.name}/compressed", COMPRESSED_IMAGE, "rgb8; jpeg")
+    png, rvl = (
+        CandidateTopic(f"{DEPTH.name}/{name}", COMPRESSED_IMAGE, form)
+        for name, form in (
+            ("compressed", "16UC1; png compressed"), ("compressedDepth", "16UC1; compressedDepth")
+        )
+    )  # fmt: skip
+    everything = choose([*ALL, packed_rgb, png, rvl])
+    assert (everything[Role.RGB], everything[Role.DEPTH]) == (RGB.name, DEPTH.name)
+    packed_alone = choose([POSE, INFO, packed_rgb, png, rvl])
+    assert (packed_alone[Role.RGB], packed_alone[Role.DEPTH]) == (packed_rgb.name, rvl.name)
+    named = choose([*ALL, packed_rgb], rgb=packed_rgb.name)
+    assert named[Role.RGB] == packed_rgb.name
