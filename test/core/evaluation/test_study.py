@@ -73,7 +73,10 @@ def test_every_figure_of_the_page_comes_from_a_record(out):
         assert f"{row['flip']:.3f}" in page
     for row in read(out, "eight-bit")["rows"]:
         assert f"{row['eight_bit']:.4f}" in page
-    assert "`reflest evaluate DATA --out docs/results --runs RUNS --parts table-2`" in page
+    assert (
+        "`reflest evaluate DATA --out docs/results --runs RUNS --optimised 2 --parts table-2`"
+        in page
+    )
 
 
 def test_pictures_and_plots_are_drawn(out):
