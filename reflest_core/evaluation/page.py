@@ -48,7 +48,7 @@ def write_page(folder: Path) -> Path:
     for name, record in measured.items():
         section = SECTIONS[name](record)
         if name == "table-2":
-            section += _draw_table_2(folder, record)
+            section += _draw_table_2(folder, record) + sections.breakdown(record)
         if name == "views":
             draw_views(folder / "views.png", record)
         lines += section
@@ -58,8 +58,8 @@ def write_page(folder: Path) -> Path:
 
 
 def _draw_table_2(folder: Path, record: Record) -> Lines:
-    draw_accuracy(folder / "accuracy.png", record)
-    lines = ["![RMSE of the variants](accuracy.png)", ""]
+    draw_accuracy(folder / "variants.png", record)
+    lines = ["![RMSE of the variants](variants.png)", ""]
     estimates = read_record(folder / "estimates.json")
     if estimates is not None:
         rows = [row for row in record["rows"] if row["split"] == "validation"]

@@ -65,6 +65,47 @@ def _interval(interval: Record) -> str:
     return f"{interval['low']:.3f} to {interval['high']:.3f}"
 
 
+def breakdown(record: Record) -> Lines:
+    """What holds the variants back, from Table 2's record."""
+    rows = [row for row in record["rows"] if row["split"] == "validation"]
+    of = {row["title"]: row["breakdown"] for row in rows}
+    shares = [
+        [title, *(f"{100 * share:.0f} %" for share in found["parameter_shares"])]
+        for title, found in of.items()
+    ]
+    fifths = next(iter(of.values()))["fifths"]
+    spans = [f"rho_s {low:.2f} to {high:.2f}" for low, high in (f["rho_s"] for f in fifths)]
+    by_gloss = [
+        [title, *(f"{f['rmse']:.3f} ({f['alpha_rmse']:.3f})" for f in found["fifths"])]
+        for title, found in of.items()
+    ]
+    lights = [
+        [title, _named(found["environments"][:3]), _named(found["environments"][-3:][::-1])]
+        for title, found in of.items()
+    ]
+    return [
+        "## What holds them back",
+        "",
+        "Shares of the squared error on validation:",
+        "",
+        *table(["variant", *WARD_NAMES], shares),
+        "",
+        "RMSE by fifths of the true specular strength, in brackets that of `alpha` alone: where",
+        "a surface hardly shines, nothing tells how rough it is.",
+        "",
+        *table(["variant", *spans], by_gloss),
+        "",
+        "The lights under which the estimates are best and worst (RMSE, scenes):",
+        "",
+        *table(["variant", "best", "worst"], lights),
+        "",
+    ]
+
+
+def _named(environments: list[Record]) -> str:
+    return ", ".join(f"{e['environment']} ({e['rmse']:.2f}, {e['scenes']})" for e in environments)
+
+
 def table_3(record: Record) -> Lines:
     """Ten of our scenes, then the paper's ten."""
     header = ["variant", "all", *record["materials"]]

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.evaluation.accuracy import Accuracy, accuracy, scene_errors
+from reflest_core.evaluation.breakdown import break_down
 from reflest_core.evaluation.contenders import Contender
 from reflest_core.evaluation.estimates import estimate_all
 from reflest_core.evaluation.paper_figures import MATERIALS, TABLES_2_AND_3
@@ -26,13 +27,17 @@ Estimates = dict[str, dict[str, NDArray[np.float64]]]
 
 @dataclass(frozen=True)
 class Row:
-    """One variant on one split, beside the paper's figures for it."""
+    """One variant on one split, beside the paper's figures for it.
+
+    ``breakdown``: of :func:`~.breakdown.break_down`.
+    """
 
     variant: str
     title: str
     model_id: str
     split: str
     accuracy: Accuracy
+    breakdown: dict[str, Any]
     paper_rmse: float | None
     paper_rank: int | None
 
@@ -57,6 +62,7 @@ def measure_table_2(
                     predictor.model_id,
                     split,
                     accuracy(made, samples, predictor.card.statistics),
+                    break_down(made, samples, predictor.card.statistics),
                     paper.rmse if is_theirs else None,
                     paper.rank if is_theirs else None,
                 )

@@ -59,6 +59,19 @@ def test_table_2_holds_what_the_network_reaches(out, runs, data):
     assert row["model_id"] == predictor.model_id
 
 
+def test_the_breakdown_adds_up_to_table_2(out):
+    for row in read(out, "table-2")["rows"]:
+        found, overall = row["breakdown"], row["accuracy"]["ward"]["overall"]
+        assert sum(found["parameter_shares"]) == pytest.approx(1)
+        lights = found["environments"]
+        squared = sum(light["scenes"] * light["rmse"] ** 2 for light in lights)
+        assert squared / row["accuracy"]["scenes"] == pytest.approx(overall**2)
+        assert lights == sorted(lights, key=lambda light: light["rmse"])
+        spans = [fifth["rho_s"] for fifth in found["fifths"]]
+        assert spans == sorted(spans)
+    assert "## What holds them back" in (out / "index.md").read_text()
+
+
 def test_every_figure_of_the_page_comes_from_a_record(out):
     page = (out / "index.md").read_text()
     for row in read(out, "table-2")["rows"]:
@@ -80,7 +93,7 @@ def test_every_figure_of_the_page_comes_from_a_record(out):
 
 
 def test_pictures_and_plots_are_drawn(out):
-    for name in ("accuracy", "scatter", "views", "contact-sheet"):
+    for name in ("variants", "scatter", "views", "contact-sheet"):
         assert cv2.imread(str(out / f"{name}.png")).std() > 5, name
 
 
