@@ -38,7 +38,7 @@ class FusionSettings:
     frames_per_view: int = parameter(
         8, "Frames fused from about the same view; further ones that show nothing new are redundant"
         " and skipped.",
-        minimum=1, maximum=1000000,
+        minimum=1, maximum=100000,
     )  # fmt: skip
     max_grazing_angle: float = parameter(
         75.0, "A view further from the normal than this does not see a voxel.",

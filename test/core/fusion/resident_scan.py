@@ -23,11 +23,11 @@ from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.fusion.warm_up import warm_up
 
 CAMERA = CameraIntrinsics(width=320, height=240, fx=260.0, fy=260.0, cx=159.5, cy=119.5)
-STEP = 0.12
-"""Metres along the wall from frame to frame: about a tenth of what a frame sees."""
+STEP = 0.15
+"""Metres along the wall from frame to frame: about an eighth of what a frame sees."""
 
-FRAMES = 250
-"""30 m of wall."""
+FRAMES = 170
+"""25 m of wall."""
 
 
 def wall_at(n: int) -> Frame:
