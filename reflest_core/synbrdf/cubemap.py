@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Environments in KTX cube maps, as Filament's tools write them and Open3D's wheels carry them.
 
 KTX 1 (Khronos), six faces of ``R11F_G11F_B10F``: floats of 5 exponent bits without a sign. Faces

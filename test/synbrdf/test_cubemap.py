@@ -1,3 +1,5 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
 """Cube maps: known bit patterns, the right face in every direction, and files that are refused."""
 
 import struct
