@@ -10,6 +10,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from benchmarks.comparison import compare_with_open3d
 from benchmarks.measuring.fresh_process import measured
 from benchmarks.measuring.machine import describe_machine
@@ -100,9 +102,11 @@ def _frame_path_and_peers(
         f"{MEASUREMENTS}.frame_path", threads, capture=capture, frames=frames,
         memory_frames=plan.memory_frames, is_table=is_table, threads=threads,
     )  # fmt: skip
+    stamps = list(path["fuse_ms"])
+    chosen = np.linspace(0, len(stamps) - 1, min(plan.peer_frames, len(stamps))).round().astype(int)
     peers = measured(
-        f"{MEASUREMENTS}.open3d_grid", threads, capture=capture, frames=path["frames"],
-        used=min(plan.peer_frames, path["frames"]), is_table=is_table,
+        f"{MEASUREMENTS}.open3d_grid", threads, capture=capture,
+        stamps=[stamps[number] for number in chosen], is_table=is_table,
     )  # fmt: skip
     return path, peers
 

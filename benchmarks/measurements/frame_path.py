@@ -16,6 +16,7 @@ from benchmarks.measurements.stages import (
     ESTIMATE,
     FRAME,
     FUSE,
+    FUSE_DEPTH,
     FUSE_KNOWN,
     FUSE_NEW,
     FUSE_REDUNDANT,
@@ -30,6 +31,9 @@ from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.estimation.warm_up import warm_up
 from reflest_core.fusion.fused_frame import FusedFrame
+
+WHOLE_PATH = (FUSE_NEW, FUSE_KNOWN)
+"""Frames that are compared with a peer: those of which nothing was skipped."""
 
 
 def measure(
@@ -66,7 +70,7 @@ def measure(
 def _scanned(
     path: Path, count: int, settings: ReflestSettings, clock: StageClock
 ) -> tuple[Scanner, dict[str, float]]:
-    """The scan, and the milliseconds of each frame that was not skipped, by image stamp."""
+    """The scan, and the milliseconds of each frame of the whole path, by image stamp."""
     scanner = Scanner(settings)
     warm_up(scanner.estimator)
     fuse_ms = {}
@@ -79,7 +83,7 @@ def _scanned(
             lap = clock.lap()
             kind = _kind(scanned.fused)
             clock.seconds[kind].append(lap[FUSE])
-            if kind != FUSE_REDUNDANT:
+            if kind in WHOLE_PATH:
                 fuse_ms[str(frame.stamp_ns)] = milliseconds
             clock.seconds[FRAME].append(lap[ASSEMBLE] + lap[FUSE])
             if scanned.keyframe is not None:
@@ -94,4 +98,6 @@ def _scanned(
 def _kind(fused: FusedFrame) -> str:
     if fused.is_redundant:
         return FUSE_REDUNDANT
+    if fused.view is not None and fused.surface_voxels == 0:
+        return FUSE_DEPTH
     return FUSE_NEW if fused.is_new_view else FUSE_KNOWN

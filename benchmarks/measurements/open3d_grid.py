@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import time
 from collections import defaultdict
 from pathlib import Path
@@ -32,19 +31,17 @@ INTEGRATE, BLOCK_LIST = "integrate", "block list"
 IN_REGION = ", depth cut to the region"
 
 
-def measure(capture: str, frames: int, used: int, is_table: bool) -> dict[str, Any]:
+def measure(capture: str, stamps: list[str], is_table: bool) -> dict[str, Any]:
     """With colour, as scanners use it, and depth only, as we do."""
     kinds = (("colour", True), ("depth only", False))
     return {
-        name: _fused(Path(capture), frames, used, with_colour, is_table)
+        name: _fused(Path(capture), set(stamps), with_colour, is_table)
         for name, with_colour in kinds
     }
 
 
-def _fused(
-    capture: Path, frames: int, used: int, with_colour: bool, is_table: bool
-) -> dict[str, Any]:
-    """Integrate ``used`` of the first ``frames``, evenly spread, at the default voxel size.
+def _fused(capture: Path, stamps: set[str], with_colour: bool, is_table: bool) -> dict[str, Any]:
+    """Integrate the frames with these ``stamps`` at the default voxel size.
 
     Open3D knows no region of interest: it fuses all depth up to ``max_depth``. For the table, a
     second grid gets the same frames with depth outside the region set to 0.
@@ -54,8 +51,11 @@ def _fused(
     region = Region.from_settings(settings.region)
     seconds: dict[str, list[float]] = defaultdict(list)
     by_stamp: dict[str, float] = {}
-    stride = max(frames // used, 1)
-    for frame in itertools.islice(open_capture(capture), 0, stride * used, stride):
+    for frame in open_capture(capture):
+        if len(by_stamp) == len(stamps):
+            break
+        if str(frame.stamp_ns) not in stamps:
+            continue
         depth = np.rint(frame.depth * DEPTH_SCALE).astype(np.uint16)
         fused = [(whole, depth, "")]
         if is_table:

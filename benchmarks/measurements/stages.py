@@ -8,9 +8,10 @@ from benchmarks.measuring.stage_clock import Stage
 
 ASSEMBLE = "assemble: match, decode, check"
 FUSE = "fuse"
-FUSE_NEW, FUSE_KNOWN, FUSE_REDUNDANT = (
+FUSE_NEW, FUSE_KNOWN, FUSE_DEPTH, FUSE_REDUNDANT = (
     "fuse, a new view",
-    "fuse, near a stored view",
+    "fuse, adds to a stored view",
+    "fuse, depth alone: colours known",
     "fuse, redundant: skipped",
 )
 FRAME = "frame: assemble and fuse"
@@ -33,7 +34,13 @@ CAPTURE_STAGES = (
     Stage(ASSEMBLE, ("reflest_core.capture.assembler:FrameAssembler.add",)),
 )
 FUSION_STAGES = (
-    Stage("classify pixels", ("reflest_core.fusion.scan:classify_pixels",)),
+    Stage(
+        "classify pixels",
+        tuple(
+            f"reflest_core.fusion.scan:{name}"
+            for name in ("object_window", "cropped", "classify_pixels")
+        ),
+    ),
     Stage(
         "TSDF",
         tuple(
@@ -41,7 +48,7 @@ FUSION_STAGES = (
             for name in ("allocate", "in_sight", "integrate", "extract")
         ),
     ),
-    Stage("redundancy", ("reflest_core.fusion.scan:redundant_view",)),
+    Stage("redundancy", ("reflest_core.fusion.scan:known_frame",)),
     Stage("F and B", ("reflest_core.fusion.scan:foreground_background_means",)),
     Stage(
         "observations",

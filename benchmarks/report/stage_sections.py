@@ -11,6 +11,7 @@ from benchmarks.measurements.stages import (
     ESTIMATE,
     FRAME,
     FUSE,
+    FUSE_DEPTH,
     FUSE_KNOWN,
     FUSE_NEW,
     FUSE_REDUNDANT,
@@ -24,7 +25,8 @@ WHOLES = (ASSEMBLE, FUSE, FRAME, ESTIMATE)
 """Sums of the stages above them; in bold."""
 ORDER = (
     "match", "decode", ASSEMBLE, "classify pixels", "F and B", "redundancy", "TSDF",
-    "background light", "observations", "snapshot", FUSE_NEW, FUSE_KNOWN, FUSE_REDUNDANT, FUSE,
+    "background light", "observations", "snapshot", FUSE_NEW, FUSE_KNOWN, FUSE_DEPTH,
+    FUSE_REDUNDANT, FUSE,
     FRAME, "voxel choice", "hemisphere images", "grouplets", NETWORK, "coverage", ESTIMATE, PUBLISH,
 )  # fmt: skip
 PERCENTILES = ("p50_ms", "p95_ms", "p99_ms")
