@@ -19,7 +19,8 @@ def batched_grouplets(
     """Branches (B, N K, 5, 12) and normals (B, N K, 3) of K nodes a voxel.
 
     ``uniform``: (B, N, K, 5) float in [0, 1); the same numbers choose the same observations as in
-    :func:`~reflest_core.features.grouplets.draw_grouplets`. A voxel that nothing saw enters as 0.
+    :func:`~reflest_core.features.grouplets.draw_grouplets`, but that here nodes draw from all of a
+    voxel's observations, not from 20 that they share. A voxel that nothing saw enters as 0.
     """
     places = choose_observations(drawn.seen, uniform)
     nodes = uniform.shape[2]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import torch
 
-from reflest_core.features.grouplets import draw_grouplets
+from reflest_core.features.grouplets import DRAWN_FROM, draw_grouplets
 from reflest_core.features.hemisphere import hemisphere_images
 from reflest_core.features.tangent_frame import tangent_frame
 from reflest_core.features.voxel_choice import choose_voxels
@@ -22,7 +22,7 @@ from reflest_core.training.spread_voxels import random_voxels, spread_voxels
 from test.core.surfaces import sphere_surface
 
 # The second has voxels with fewer than five observations.
-SURFACES = [sphere_surface(300, 40, 0), sphere_surface(200, 9, 1), sphere_surface(30, 60, 2)]
+SURFACES = [sphere_surface(300, 30, 0), sphere_surface(200, 9, 1), sphere_surface(30, 25, 2)]
 PACKED = PackedScenes.of([Sample(surface, np.full(5, 0.1)) for surface in SURFACES])
 EVERYTHING = Augmentation(views=(1000, 1000), candidates=1000, channel_swap=False)
 
@@ -42,6 +42,8 @@ def each_scene(scenes):
 
 
 def test_grouplets_are_those_of_the_live_path():
+    # Beyond that many, the live path's nodes share observations to save time; each alone is alike.
+    assert max(surface.observation_counts.max() for surface in SURFACES) <= DRAWN_FROM
     scenes, nodes = drawn(), 10
     uniform = np.random.default_rng(3).random((20 * nodes, 5))
     given = torch.from_numpy(uniform).view(1, 20, nodes, 5).expand(8, -1, -1, -1)
