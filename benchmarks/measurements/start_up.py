@@ -54,7 +54,10 @@ def _first_estimate(capture: Path, started: float) -> dict[str, float]:
     phases["warm up"] = time.time() - began
     began = time.time()
     frames = iter(open_capture(capture))
-    scanner.fuse(next(frames))
+    first = next(frames)
+    phases["open the bag, first image"] = time.time() - began
+    began = time.time()
+    scanner.fuse(first)
     phases["first frame"] = time.time() - began
     began = time.time()
     scanner.estimate(scanner.snapshot())

@@ -150,6 +150,7 @@ class McapFile:
 
 def _read_summary(stream: IO[bytes]) -> Summary | None:
     """Return the summary if it is there and whole: channels, counts and chunk index."""
+    stream.seek(0)  # where SeekingReader expects the magic bytes
     try:
         summary = SeekingReader(stream).get_summary()
     except Exception:  # of a damaged file; no summary that can be read is no summary
