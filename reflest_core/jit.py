@@ -3,9 +3,11 @@
 """How inner loops are compiled.
 
 The kernels run without the global interpreter lock, so that the estimator's thread goes on beside
-them, and on one thread, so that every result has one order of evaluation and is bit-identical from
-run to run. The compiled code is cached on disk; Numba notices an edit only in the file of the
-kernel itself, so delete ``__pycache__`` after editing a function that other files' kernels call.
+them. Each has one order of evaluation, so that every result is bit-identical from run to run;
+fusion shares its large ones out in pieces that do not depend on each other
+(``fusion.work_sharing``). The compiled code is cached on disk; Numba notices an edit only in the
+file of the kernel itself, so delete ``__pycache__`` after editing a function that other files'
+kernels call.
 """
 
 from __future__ import annotations

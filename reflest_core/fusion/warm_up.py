@@ -17,7 +17,7 @@ BUDGET_MB = 16.0
 
 
 def warm_up() -> None:
-    """Run every kernel once on a small wall. Takes a second; half a minute on a first start."""
+    """Run every kernel once on a small wall. Takes a second; about a minute on a first start."""
     camera = CameraIntrinsics(width=32, height=24, fx=30.0, fy=30.0, cx=15.5, cy=11.5)
     wall = Frame(
         stamp_ns=1,
