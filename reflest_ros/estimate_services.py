@@ -6,9 +6,6 @@ from __future__ import annotations
 
 import time
 
-from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.node import Node
-
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.export.material_file import export_estimate
 from reflest_ros.estimate_message import estimate_to_message
@@ -16,26 +13,19 @@ from reflest_ros.estimation_worker import EstimationWorker
 from reflest_ros.fusion_worker import FusionWorker, Keyframe
 from reflest_ros.service_answer import answer_with, given_path
 from reflest_ros.srv import Estimate, ExportEstimate
+from reflest_ros.waiting_services import WaitingServices
 
 
 class EstimateServices:
     """Both wait for fusion and estimation, while frames keep coming."""
 
-    def __init__(self, node: Node, fusion: FusionWorker, estimation: EstimationWorker) -> None:
-        self._node = node
+    def __init__(
+        self, waiting: WaitingServices, fusion: FusionWorker, estimation: EstimationWorker
+    ) -> None:
         self._fusion = fusion
         self._estimation = estimation
-        # They must not hold up the subscriptions, nor one another.
-        group = ReentrantCallbackGroup()
-        self._services = [
-            node.create_service(Estimate, "~/estimate", self.estimate, callback_group=group),
-            node.create_service(ExportEstimate, "~/export", self.export, callback_group=group),
-        ]
-
-    def destroy(self) -> None:
-        """Take the services away."""
-        for service in self._services:
-            self._node.destroy_service(service)
+        waiting.create(Estimate, "~/estimate", self.estimate)
+        waiting.create(ExportEstimate, "~/export", self.export)
 
     def estimate(self, _: Estimate.Request, response: Estimate.Response) -> Estimate.Response:
         """Estimate from all that was scanned; the answer is published as well."""

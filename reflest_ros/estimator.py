@@ -5,19 +5,12 @@
 from __future__ import annotations
 
 import sys
-import threading
 
-from rclpy.executors import MultiThreadedExecutor
+from rclpy.experimental import EventsExecutor
 
 from reflest_core.errors import ReflestError
 from reflest_ros.process import ignore_signals, ros_process
-from reflest_ros.worker_thread import worker_thread
-
-EXECUTOR_THREADS = 4
-"""One for the subscriptions, one for the diagnostics, two for services that wait for fusion."""
-
-LONGEST_WAIT = 0.5
-"""Seconds; the executor is woken at the end, this only bounds what a missed call would cost."""
+from reflest_ros.spinning import Spinning
 
 
 def main(args: list[str] | None = None) -> int:
@@ -38,25 +31,16 @@ def _run_node() -> int:
 
     node = EstimatorNode()
     node.bring_up()
-    executor = MultiThreadedExecutor(EXECUTOR_THREADS)
+    executor = EventsExecutor()
     executor.add_node(node)
-    is_ending = threading.Event()
-
-    def spin() -> None:
-        while not is_ending.is_set():
-            executor.spin_once(timeout_sec=LONGEST_WAIT)
-
-    spinning = worker_thread("executor", spin, node.crash)
+    spinning = Spinning(executor, "executor", node.crash)
     try:
         spinning.start()
         node.has_crashed.wait()
     finally:
         # One after the other, so that no callback runs on what is gone.
         ignore_signals()
-        is_ending.set()
-        executor.wake()
-        spinning.join()
-        executor.shutdown()
+        spinning.stop()
         node.destroy_node()
     return 1
 

@@ -12,6 +12,7 @@ from typing import Any
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.service import Service
 
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.settings import ReflestSettings
@@ -82,6 +83,12 @@ class EstimatorNode(LifecycleNode):
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Free whatever is held."""
         return self._transition(self._close)
+
+    @property
+    def services_offered(self) -> list[Service[Any, Any]]:
+        """Every service under this node's name, also those of its hidden helper."""
+        waiting = [] if self._session is None else self._session.waiting_services.services
+        return [*self.services, *waiting]
 
     def crash(self, error: BaseException) -> None:
         """Report what should not happen in one of the threads; the process then ends."""

@@ -8,7 +8,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
-from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
@@ -18,6 +17,7 @@ from reflest_ros.fusion_worker import FusionWorker
 from reflest_ros.region_parameters import set_region_parameters
 from reflest_ros.service_answer import answer_with, given_path
 from reflest_ros.srv import LoadScan, SaveScan, SetRegion
+from reflest_ros.waiting_services import WaitingServices
 
 
 class Session(Protocol):
@@ -36,21 +36,19 @@ class Session(Protocol):
 class ScanServices:
     """Each runs in the fusion thread, between two frames."""
 
-    def __init__(self, node: Node, session: Session) -> None:
+    def __init__(self, node: Node, session: Session, waiting: WaitingServices) -> None:
         self._node = node
         self._session = session
-        # A service that waits for fusion must not hold up the subscriptions. Those that set
-        # parameters take turns with the node's own parameter services, in its default group.
-        group = ReentrantCallbackGroup()
+        waiting.create(Trigger, "~/reset", self.reset)
+        waiting.create(SaveScan, "~/save", self.save)
+        # Those that set parameters take turns with the node's own parameter services.
         self._services = [
-            node.create_service(Trigger, "~/reset", self.reset, callback_group=group),
-            node.create_service(SaveScan, "~/save", self.save, callback_group=group),
             node.create_service(LoadScan, "~/load", self.load),
             node.create_service(SetRegion, "~/set_region", self.set_region),
         ]
 
     def destroy(self) -> None:
-        """Take the services away."""
+        """Take the node's services away."""
         for service in self._services:
             self._node.destroy_service(service)
 

@@ -28,6 +28,7 @@ from reflest_ros.scan_services import ScanServices
 from reflest_ros.settings import NodeSettings
 from reflest_ros.subscriptions import Inputs
 from reflest_ros.views import VIEWS
+from reflest_ros.waiting_services import WaitingServices
 
 
 class ScanSession:
@@ -60,9 +61,9 @@ class ScanSession:
             self.assembler, self.scanner, self.estimation.offer, on_crash,
             node_settings.input.queue_size, node_settings.input.settle,
         )  # fmt: skip
-        self._services = (
-            ScanServices(node, self), EstimateServices(node, self.fusion, self.estimation)
-        )  # fmt: skip
+        self.waiting_services = WaitingServices(node, on_crash)
+        self._services = ScanServices(node, self, self.waiting_services)
+        EstimateServices(self.waiting_services, self.fusion, self.estimation)
         if self.autosave.resume():
             set_region_parameters(node, self.scanner.scan.region_settings)
             self.fusion.count_store()
@@ -70,6 +71,7 @@ class ScanSession:
         self.estimation.start()
         self.fusion.start()
         self.autosave.start(self.fusion)
+        self.waiting_services.start()
 
     def activate(self) -> None:
         """Subscribe."""
@@ -86,8 +88,8 @@ class ScanSession:
         """End the threads and give everything back."""
         self.inputs.deactivate()
         self._clock_watch.stop()
-        for services in self._services:
-            services.destroy()
+        self._services.destroy()
+        self.waiting_services.close()
         self.fusion.stop()
         self.autosave.stop()
         self.estimation.stop()

@@ -78,8 +78,8 @@ def _topics(node: Node) -> Iterator[OfferedTopic]:
             yield OfferedTopic(one.topic_name, name, one.qos_profile)
 
 
-def _services(node: Node) -> Iterator[OfferedService]:
-    for one in node.services:
+def _services(node: EstimatorNode) -> Iterator[OfferedService]:
+    for one in node.services_offered:
         name = type_name(one.srv_type)
         if not name.startswith(STANDARD_PACKAGES):
             answer: Callable[..., Any] = one.callback

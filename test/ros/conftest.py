@@ -20,7 +20,7 @@ COMPILE_TIME = 200.0
 SETTINGS = """\
 /**:
   ros__parameters:
-    input: {reliability: reliable, queue_size: 1000, settle: 0.1, diagnostics_period: 0.05}
+    input: {reliability: reliable, queue_size: 1000, settle: 0.5, diagnostics_period: 0.05}
     fusion: {voxel_size: 0.01}
     region: {shape: sphere, centre: [0.0, 0.0, 0.12], size: [0.35, 0.35, 0.35]}
     keyframe: {translation: 0.2}

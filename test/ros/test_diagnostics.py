@@ -39,7 +39,8 @@ def scanned(scanning, peer):
         for topic, message in messages_of(dataclasses.replace(view, rgb=darkened)):
             peer.publish(topic, message)
     for role in ("rgb", "depth", "camera_info", "pose"):
-        peer.wait_until(lambda key=f"rate {role} (Hz)": float(peer.diagnostics[key]) > 0.0, role)
+        key = f"rate {role} (Hz)"
+        peer.wait_until(lambda key=key: float(peer.diagnostics.get(key, 0.0)) > 0.0, role)
     peer.wait_for_count("frames fused", len(capture))
     return capture
 

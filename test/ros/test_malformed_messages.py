@@ -20,6 +20,8 @@ from sphere_messages import (
     rgb_message,
 )
 
+from reflest_core.capture.settings import CaptureSettings
+
 UINT32 = (0, 1, 119, 121, 2**16, 2**31, 2**32 - 1)
 FLOATS = (math.nan, math.inf, -math.inf, 0.0, -1.0, 1e300, 1e-320)
 TEXTS = ("", "/", "rgb8", "16UC1", "x" * 5000, "é\n\t", "camera_depth_optical_frame")
@@ -111,9 +113,10 @@ def test_the_node_outlives_them_and_fuses_what_comes_next(feed):
         make, damage = makers[name]
         sender.send(**{name: lambda view, make=make, damage=damage: damage(make(view), pick)})
     sender.wait()
-    # Whatever waits or ran ahead is behind after a few good frames.
+    # A frame whose depth claims another camera waits for its transform, and others behind it, until
+    # the queue is full: after as many good frames, all that waits or ran ahead is behind.
     fused = feed.peer.count("frames fused")
-    for _ in range(20):
+    for _ in range(CaptureSettings().queue_size + 5):
         sender.send()
     sender.wait()
     assert feed.peer.count("frames fused") >= fused + 10
