@@ -4,13 +4,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
-import signal
 import subprocess
-import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +17,7 @@ from benchmarks.measuring.machine import ROOT
 from benchmarks.measuring.resident_memory import peak_mb
 from benchmarks.scene.table_scene import REGION
 from reflest_core.synbrdf.bag_writer import RGB
+from reflest_ros.demo.playback import running
 
 PROFILE = ROOT / "config" / "fastdds_large_messages.xml"
 START_LIMIT = 240.0
@@ -43,7 +40,7 @@ def measure(bag: str, frames: int, seconds: float) -> dict[str, Any]:
     listener = Listener()
     try:
         started = time.monotonic()
-        with _running(["-m", "reflest_ros.estimator", "--ros-args", *_region()]) as node:
+        with running(["-m", "reflest_ros.estimator", "--ros-args", *_region()]) as node:
             ready = lambda: _is_alive(node) and listener.has_subscriber(RGB)  # noqa: E731
             listener.listen_until(ready, START_LIMIT, "the estimator's start")
             start_up = time.monotonic() - started
@@ -75,7 +72,7 @@ def _region() -> list[str]:
 
 
 def _play(bag: Path, listener: Listener, node: subprocess.Popen[bytes], seconds: float) -> None:
-    with _running(["-m", "reflest_ros.bag_player", str(bag)]) as player:
+    with running(["-m", "reflest_ros.bag_player", str(bag)]) as player:
         listener.listen_until(
             lambda: _is_alive(node) and player.poll() is not None,
             2.0 * seconds + START_LIMIT,
@@ -114,19 +111,3 @@ def _cpu_seconds(pid: int) -> float:
     """Processor time that the process has used so far, all threads."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-@contextlib.contextmanager
-def _running(arguments: list[str]) -> Iterator[subprocess.Popen[bytes]]:
-    """A Python process for the block; SIGINT ends it, and what ignores that is killed."""
-    process = subprocess.Popen([sys.executable, *arguments], cwd=ROOT)
-    try:
-        yield process
-    finally:
-        if process.poll() is None:
-            process.send_signal(signal.SIGINT)
-        try:
-            process.wait(20.0)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
