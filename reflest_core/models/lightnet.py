@@ -13,6 +13,7 @@ import torch
 from torch import nn
 
 from reflest_core.features.light.ward_lobe import ROUGHNESSES
+from reflest_core.models.live_lightnet import FLOOR
 
 VOXELS = 48
 """Voxels that an estimate rests on."""
@@ -23,8 +24,6 @@ VOXEL_INPUTS = 7 + FIT_INPUTS
 ZONE_INPUTS = 8 * (1 + 1 + 2)
 OBSERVATION, VOXEL, SCENE, HEADS = 48, 64, 96, 8
 """Widths of the stages, and the number of ways in which voxels are weighed against each other."""
-FLOOR = 0.03
-"""Added before a logarithm: ratios below it say the same, dark."""
 
 
 class LightNet(nn.Module):
@@ -139,7 +138,7 @@ def _deviation(x: torch.Tensor, weight: torch.Tensor, total: torch.Tensor) -> to
 
 
 def _log(ratio: torch.Tensor) -> torch.Tensor:
-    return torch.log(ratio + FLOOR)
+    return torch.log(ratio + float(FLOOR))
 
 
 def _two_layers(inputs: int, width: int) -> nn.Sequential:

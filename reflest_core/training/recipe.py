@@ -21,7 +21,8 @@ OPTIMISERS = ("adam", "rmsprop", "sgd")
 class Recipe:
     """Loss, optimiser and data of one training.
 
-    ``loss``: ``rmse1``, ``rmse2`` or ``cuberoot`` (Table 1). ``colour_constancy``: lambda of E_c.
+    ``loss``: ``rmse1``, ``rmse2`` or ``cuberoot`` (Table 1); ``likelihood`` is ``lightnet``'s.
+    ``colour_constancy``: lambda of E_c.
     ``optimiser``: one of :data:`OPTIMISERS`; ``momentum`` counts for the latter two. The learning
     rate rises over ``warm_up`` minibatches, then holds for the share ``hold`` of all, then falls
     as a cosine to 0. ``batch_size``: scenes in each of the ``parts`` of a minibatch, which

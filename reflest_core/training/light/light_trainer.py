@@ -38,7 +38,7 @@ LIGHT_RECIPE = Recipe(
     "lightnet", "likelihood", "adam", 3e-3, 0.0, 30_000, 32, voxels=32, validation_voxels=48,
     warm_up=1000, hold=0.1, average=0.999,
 )  # fmt: skip
-"""Chosen on environments kept from training."""
+"""Where to begin: not yet chosen on environments kept from training."""
 
 
 @dataclass(frozen=True)
