@@ -69,6 +69,9 @@ class Generation:
     def sources(self, split: Split) -> Sources:
         """The environments and meshes of one split."""
         sources = sources_of(split, self._environments(), self._meshes(), self.seed)
+        unknown = set(self.without) - {source.name for source in self._environments()}
+        if unknown:
+            raise GenerationRefused(f"--without names no environment: {', '.join(sorted(unknown))}")
         kept = [source for source in sources.environments if source.name not in self.without]
         return dataclasses.replace(sources, environments=kept)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reflest_core.synbrdf.environments import directions, procedural_skies
-from reflest_core.synbrdf.generation import Generation
+from reflest_core.synbrdf.generation import Generation, GenerationRefused
 from reflest_core.synbrdf.light_diversity import draw_diverse_light
 from reflest_core.synbrdf.procedural_room import procedural_room
 from reflest_core.synbrdf.procedural_sky import procedural_sky
@@ -57,4 +57,6 @@ def test_environments_can_be_kept_from_training():
     every = Generation(1, {}).sources(Split.TRAIN).environments
     kept_back = every[0].name
     fewer = Generation(1, {}, without=(kept_back,)).sources(Split.TRAIN).environments
+    with pytest.raises(GenerationRefused, match="nowhere"):
+        Generation(1, {}, without=("nowhere",)).sources(Split.TRAIN)
     assert [e.name for e in fewer] == [e.name for e in every if e.name != kept_back]
