@@ -9,7 +9,6 @@ import time
 from concurrent.futures import Future
 from pathlib import Path
 
-from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.timer import Timer
@@ -94,9 +93,8 @@ class Autosave:
                 last = fusion.call(self.save)
 
         self._timer = self._node.create_timer(
-            self._period, on_time, MutuallyExclusiveCallbackGroup(),
-            Clock(clock_type=ClockType.STEADY_TIME),
-        )  # fmt: skip
+            self._period, on_time, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
 
     def stop(self) -> None:
         """Save a last time; the fusion thread must have ended."""

@@ -9,7 +9,6 @@ import traceback
 from collections.abc import Callable
 from typing import Any
 
-from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.service import Service
@@ -43,10 +42,10 @@ class EstimatorNode(LifecycleNode):
         guard_parameters(self, self._apply)
         PauseServices(self, self._is_active, lambda: self._failure)
         self._diagnostics = Diagnostics(self, self._node_settings.input)
-        # Diagnostics go on where simulated time stands still, and during transitions.
+        # Diagnostics go on where simulated time stands still.
         self.create_timer(
             self._node_settings.input.diagnostics_period, self._diagnostics.publish,
-            MutuallyExclusiveCallbackGroup(), Clock(clock_type=ClockType.STEADY_TIME),
+            clock=Clock(clock_type=ClockType.STEADY_TIME),
         )  # fmt: skip
 
     def bring_up(self) -> None:
@@ -117,7 +116,9 @@ class EstimatorNode(LifecycleNode):
         return TransitionCallbackReturn.SUCCESS
 
     def _configure(self) -> None:
-        self.get_logger().info("starting (the first start after installation compiles for 30 s)")
+        self.get_logger().info(
+            "starting (the first time after installation this compiles for a minute)"
+        )
         self._session = ScanSession(self, self._node_settings, self._settings, self.crash)
         self._diagnostics.watch(self._session)
 

@@ -15,7 +15,7 @@ from reflest_ros.service_answer import answer_with
 
 
 class PauseServices:
-    """They take turns with the lifecycle's own services, in the node's default callback group.
+    """They take turns with the lifecycle's own services, in the executor's one thread.
 
     ``is_active`` says whether the node is active, None while it is not configured. ``failure`` is
     why the last transition failed.

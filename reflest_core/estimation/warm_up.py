@@ -21,7 +21,7 @@ SIDE, VIEWS = 32, 6
 
 
 def warm_up(estimator: Estimator) -> None:
-    """Run every kernel once. Takes a second; half a minute on the first start."""
+    """Run every kernel once. Takes a second; about a minute on the first start."""
     capture.warm_up()
     fusion.warm_up()
     estimator.estimate(_grey_wall(), 0, "")
