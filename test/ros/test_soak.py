@@ -15,6 +15,8 @@ MINUTES = 10
 FRAMES_A_PASS = 24
 STEP_NS = 500_000_000
 PASSES = round(MINUTES * 60e9 / (FRAMES_A_PASS * STEP_NS))
+MAX_WAIT = 60.0
+"""A whole pass comes at once, maybe topic by topic: 12 s of image time are then no delay."""
 BUDGET_MB = 64.0
 CONSTANT_MB = 50.0
 """What a scan may take beside its budget: frames that wait, snapshots, estimation in passing."""
@@ -24,6 +26,7 @@ def test_ten_minutes_of_a_looping_bag(start, peer, settings_file):
     node = start(
         "reflest_ros.estimator", "--ros-args", "--params-file", settings_file,
         "-p", f"fusion.memory_budget_mb:={BUDGET_MB}", "-p", "fusion.voxel_size:=0.005",
+        "-p", f"capture.max_wait:={MAX_WAIT}",
     )  # fmt: skip
     node.wait_for_line("listening to", 200.0)
     before = node.resident_mb
