@@ -43,6 +43,11 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument(
         "--recipe", choices=("ours", "paper"), default="ours", help="what is not given otherwise"
     )
+    parser.add_argument(
+        "--from", dest="start", type=Path, metavar="WEIGHTS",
+        help="begin with these weights, of another variant perhaps; its last layer is made anew "
+        "where the loss is written in other parameters",
+    )  # fmt: skip
     add_recipe_options(parser)
     parser.add_argument(
         "--realism", nargs="*", metavar="EFFECT",
@@ -70,6 +75,8 @@ def run(arguments: argparse.Namespace) -> int:
         for name in ("loss", "colour_constancy"):
             if getattr(arguments, name) is not None:
                 raise ParameterError("--loss and --lambda go with --model: a variant has its own")
+    if arguments.all and arguments.start:
+        raise ParameterError("--from goes with one variant or --model: --all has two networks")
     if arguments.pack:
         from reflest_core.training.data import pack
 
@@ -108,13 +115,15 @@ def _train(
     name: str,
     processes: Processes,
 ) -> None:
+    from reflest_core.training.starting_weights import StartingWeights
     from reflest_core.training.trainer import RunFolder, Trainer
 
     recipe = changed_recipe(base, arguments, parts=processes.count)
     place = RunFolder(folder, name, arguments.validate_every, arguments.tensorboard)
     if processes.is_first:
         print(f"training {name} on {len(data.training)} scenes: {recipe}", flush=True)
-    path = Trainer(recipe, data, place, processes).run()
+    start = StartingWeights.read(arguments.start, recipe) if arguments.start else None
+    path = Trainer(recipe, data, place, processes, start).run()
     if processes.is_first:
         print(f"weights: {path}", flush=True)
 

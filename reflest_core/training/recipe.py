@@ -30,6 +30,10 @@ class Recipe:
     an estimate's 10 train faster. ``average``: decay of the running mean of the weights that is
     shipped; 0 ships the last. ``precision``: ``float32`` or ``bfloat16`` of matrix products.
     ``validation_voxels``: of one scene in validation, as many as an estimate's.
+    ``observations``: of one voxel in a minibatch, ``lightnet``'s alone; 0 takes all. ``without``:
+    the inputs that ``lightnet`` is trained not to see. ``largest_gradient``: longer ones are
+    shortened to it; 0 leaves them. ``start``: the weights that training begins from, by name and
+    hash.
     """
 
     network: str
@@ -49,6 +53,10 @@ class Recipe:
     precision: str = "float32"
     parts: int = 1
     seed: int = 1
+    observations: int = 0
+    without: tuple[str, ...] = ()
+    largest_gradient: float = 0.0
+    start: str = ""
     augmentation: Augmentation = dataclasses.field(default_factory=Augmentation)
 
     @property

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +27,7 @@ from reflest_core.training.objective import Objective
 from reflest_core.training.packed_scenes import PackedScenes
 from reflest_core.training.processes import Processes
 from reflest_core.training.recipe import Recipe
+from reflest_core.training.starting_weights import StartingWeights
 from reflest_core.training.training_log import Entry, TrainingLog
 from reflest_core.training.validation import Validation
 from reflest_core.training.weight_average import WeightAverage
@@ -53,16 +55,25 @@ class Trainer:
     """Trains one network by one recipe in one folder, alone or as one of several processes."""
 
     def __init__(
-        self, recipe: Recipe, data: TrainingData, folder: RunFolder, processes: Processes
+        self,
+        recipe: Recipe,
+        data: TrainingData,
+        folder: RunFolder,
+        processes: Processes,
+        start: StartingWeights | None = None,
     ) -> None:
         torch.manual_seed(recipe.seed)
         folder.path.mkdir(parents=True, exist_ok=True)
+        if start is not None:
+            recipe = dataclasses.replace(recipe, start=start.name)
         self.recipe, self.data, self.folder, self.processes = recipe, data, folder, processes
         device = processes.device
         self.both_statistics = {kind: _statistics(data, kind) for kind in ("ward", "labcd")}
         self.statistics = self.both_statistics[recipe.parameters]
         self.objective = Objective(recipe, self.statistics, device)
         self.module = NETWORKS[recipe.network].make().to(device)
+        if start is not None:
+            start.put_into(self.module, recipe)
         self.optimiser = recipe.make_optimiser(self.module)
         packed = PackedScenes.of(data.training).to(device)
         self.drawer = SceneDrawer(packed, recipe.augmentation)

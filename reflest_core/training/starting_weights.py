@@ -1,0 +1,46 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Weights of an earlier training to begin from: the trunk always, the last layer where it fits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+
+from reflest_core.models.quantisation import Tensors
+from reflest_core.models.weights import check_fits, load_weights
+from reflest_core.training.recipe import Recipe
+from reflest_core.training.sample import TrainingError
+
+LAST_LAYER = 2
+"""A matrix and its bias: the last ones of a network's tensors."""
+
+
+@dataclass(frozen=True)
+class StartingWeights:
+    """``tensors`` of a network whose outputs are ``parameters``; ``name`` is for the card."""
+
+    tensors: Tensors
+    parameters: str
+    name: str
+
+    @staticmethod
+    def read(path: Path, recipe: Recipe) -> StartingWeights:
+        """From a weight file; :class:`TrainingError` where it is another network's."""
+        tensors, card, digest = load_weights(path)
+        if card.network != recipe.network:
+            raise TrainingError(
+                f"{path} holds weights of {card.network}, from which {recipe.network} cannot "
+                "start; give --from weights of the network that is trained"
+            )
+        return StartingWeights(tensors, card.parameters, f"{path.stem} {digest}")
+
+    def put_into(self, module: torch.nn.Module, recipe: Recipe) -> None:
+        """Set the module's weights, but for the last layer if it is to say other parameters."""
+        own = module.state_dict()
+        check_fits(self.tensors, {n: tuple(t.shape) for n, t in own.items()}, Path(self.name))
+        kept = list(own) if self.parameters == recipe.parameters else list(own)[:-LAST_LAYER]
+        for name in kept:
+            own[name].copy_(torch.from_numpy(self.tensors[name]))
