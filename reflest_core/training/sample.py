@@ -65,23 +65,27 @@ class Degradation:
 
 def load_samples(folder: Path, split: str, degradation: Degradation | None = None) -> list[Sample]:
     """All usable scenes of one split of a SynBRDF folder, in order; with faults if given."""
-    scenes: Iterable[SynbrdfScene] = load_scenes(folder, split)
-    if degradation is not None:
-        scenes = map(degradation.applied, scenes)
-    samples = [_sample(scene) for scene in _usable(scenes)]
+    samples = [sample_of(scene) for scene in usable_scenes(folder, split, degradation)]
     if not samples:
         raise TrainingError(f"{folder} holds no scenes of split {split!r}; generate them first")
     return samples
 
 
-def _usable(scenes: Iterable[SynbrdfScene]) -> Iterator[SynbrdfScene]:
+def usable_scenes(
+    folder: Path, split: str, degradation: Degradation | None = None
+) -> Iterator[SynbrdfScene]:
+    """The scenes of a split that show enough of a surface, in order; with faults if given."""
+    scenes: Iterable[SynbrdfScene] = load_scenes(folder, split)
+    if degradation is not None:
+        scenes = map(degradation.applied, scenes)
     for scene in scenes:
         seen = scene.surface.observation_counts >= MIN_OBSERVATIONS
         if seen.sum() >= LEAST_USABLE_VOXELS:
             yield scene
 
 
-def _sample(scene: SynbrdfScene) -> Sample:
+def sample_of(scene: SynbrdfScene) -> Sample:
+    """What an estimate of the scene sees, and the truth; without the light in the background."""
     truth = scene.truth
     ward = np.array([*truth.rho_d, truth.rho_s, truth.alpha])
     return Sample(scene.surface, ward, scene.environment, scene.index)

@@ -9,6 +9,7 @@ import numpy as np
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.synbrdf.scene_file import MANIFEST, SynbrdfScene, save_shard
 from reflest_core.synbrdf.thumbnails import Thumbnails
+from reflest_core.synbrdf.views import look_at
 from reflest_core.training.sample import Sample
 from test.core.surfaces import sphere_surface
 
@@ -37,7 +38,9 @@ def write_synbrdf(folder, **counts):
 
 
 def stored_scene(sample, split, index):
-    views = len(sample.surface.view_centres)
+    centres = sample.surface.view_centres.astype(np.float64)
+    poses = np.stack([look_at(centre, np.zeros(3)) for centre in centres])
+    views = len(centres)
     return SynbrdfScene(
         surface=sample.surface,
         truth=WardParameters(tuple(sample.ward[:3].tolist()), *sample.ward[3:].tolist()),
@@ -50,8 +53,8 @@ def stored_scene(sample, split, index):
         exposure=1.0,
         radiance=(sample.surface.colours / 255).astype(np.float16),
         thumbnails=Thumbnails(
-            rgbe=np.full((views, 6, 8, 4), 128, np.uint8),
-            is_object=np.zeros((views, 6, 8), np.bool_),
-            T_world_camera=np.tile(np.eye(4, dtype=np.float32), (views, 1, 1)),
+            rgbe=np.full((views, 36, 48, 4), 128, np.uint8),
+            is_object=np.zeros((views, 36, 48), np.bool_),
+            T_world_camera=poses.astype(np.float32),
         ),
     )
