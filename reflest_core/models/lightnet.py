@@ -12,18 +12,18 @@ from __future__ import annotations
 import torch
 from torch import nn
 
-from reflest_core.features.light.ward_lobe import ROUGHNESSES
+from reflest_core.models.lightnet_shapes import (
+    HEADS,
+    ONE_LAYER,
+    ROUGHNESS_COUNT,
+    TWO_LAYERS,
+    VOXEL,
+)
 from reflest_core.models.live_lightnet import FLOOR
+from reflest_core.models.model_choice import MODELS
 
-VOXELS = 48
+VOXELS = MODELS["lightnet"].voxels
 """Voxels that an estimate rests on."""
-ROUGHNESS_COUNT = len(ROUGHNESSES)
-OBSERVATION_INPUTS = 3 + 3 * ROUGHNESS_COUNT
-FIT_INPUTS = 3 * ROUGHNESS_COUNT
-VOXEL_INPUTS = 7 + FIT_INPUTS
-ZONE_INPUTS = 8 * (1 + 1 + 2)
-OBSERVATION, VOXEL, SCENE, HEADS = 48, 64, 96, 8
-"""Widths of the stages, and the number of ways in which voxels are weighed against each other."""
 
 
 class LightNet(nn.Module):
@@ -34,13 +34,13 @@ class LightNet(nn.Module):
 
     def __init__(self) -> None:
         super().__init__()
-        self.observation = _two_layers(OBSERVATION_INPUTS, OBSERVATION)
-        self.voxel = _two_layers(3 * OBSERVATION + VOXEL_INPUTS, VOXEL)
-        self.attention = nn.Linear(VOXEL, HEADS)
-        self.channel = _two_layers(2 * VOXEL + FIT_INPUTS + ZONE_INPUTS, SCENE)
-        self.gloss = _two_layers(2 * SCENE, SCENE)
-        self.diffuse_head = nn.Linear(2 * SCENE, 2)
-        self.gloss_head = nn.Linear(SCENE, 4)
+        self.observation = _two_layers("observation")
+        self.voxel = _two_layers("voxel")
+        self.attention = nn.Linear(*ONE_LAYER["attention"])
+        self.channel = _two_layers("channel")
+        self.gloss = _two_layers("gloss")
+        self.diffuse_head = nn.Linear(*ONE_LAYER["diffuse_head"])
+        self.gloss_head = nn.Linear(*ONE_LAYER["gloss_head"])
 
     def forward(
         self,
@@ -141,5 +141,6 @@ def _log(ratio: torch.Tensor) -> torch.Tensor:
     return torch.log(ratio + float(FLOOR))
 
 
-def _two_layers(inputs: int, width: int) -> nn.Sequential:
+def _two_layers(name: str) -> nn.Sequential:
+    inputs, width = TWO_LAYERS[name]
     return nn.Sequential(nn.Linear(inputs, width), nn.SiLU(), nn.Linear(width, width), nn.SiLU())

@@ -17,6 +17,7 @@ class ModelChoice:
 
 
 MODELS = {
+    "lightnet": ModelChoice("lightnet", 48, "lightnet.safetensors"),
     "hemicnn": ModelChoice("hemicnn", 25, "hemicnn-rmse1.safetensors"),
     "grouplet-fast": ModelChoice("grouplet", 20, "grouplet-rmse1.safetensors"),
     "grouplet-slow": ModelChoice("grouplet", 354, "grouplet-rmse1.safetensors"),
