@@ -30,7 +30,7 @@ from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
 from reflest_core.features.voxel_choice import choose_voxels
 from reflest_core.models.model_choice import MODELS
 from reflest_core.models.network_kind import LIVE_DRAW, NETWORKS, Inputs
-from reflest_core.models.weights import SHIPPED, load_weights
+from reflest_core.models.weights import SHIPPED, load_weights, shipped_models
 
 WARM_UP = 3
 """Estimates before the first that counts."""
@@ -50,7 +50,7 @@ def measure(
         scanner.fuse(frame)
     snapshot = scanner.snapshot()
     models = {}
-    for model in MODELS:
+    for model in shipped_models():
         scanner.estimator = Estimator(
             dataclasses.replace(settings.estimation, model=model, threads=threads)
         )

@@ -20,7 +20,7 @@ from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.estimation.warm_up import warm_up
 from reflest_core.fusion.settings import FusionSettings
-from reflest_core.models.model_choice import MODELS
+from reflest_core.models.weights import shipped_models
 
 BUDGET_BYTES_PER_VOXEL = 1500
 """Enough that nothing of the floor is evicted."""
@@ -84,7 +84,7 @@ def _cost(scanner: Scanner, fuse: list[float], before_mb: float, estimates: int)
     added_mb = max(resident_mb() - before_mb, 0.0)
     snapshot = scanner.snapshot()
     seconds: dict[str, list[float]] = {SNAPSHOT: []}
-    for model in MODELS:
+    for model in shipped_models():
         scanner.estimator = Estimator(EstimationSettings(model=model))
         scanner.estimate(snapshot)
         name = f"{ESTIMATE}, {model}"

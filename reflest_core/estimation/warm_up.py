@@ -14,7 +14,7 @@ from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.fusion import warm_up as fusion
 from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.models.model_choice import MODELS
+from reflest_core.models.weights import shipped_models
 
 SIDE, VIEWS = 32, 6
 """32 x 32 voxels are more than any network chooses or ``min_voxels`` can ask for."""
@@ -45,5 +45,5 @@ def _grey_wall() -> ObservedSurface:
 
 
 if __name__ == "__main__":
-    for model in MODELS:
+    for model in shipped_models():
         warm_up(Estimator(EstimationSettings(model=model)))

@@ -24,6 +24,7 @@ from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.jit import compiled
 from reflest_core.models.dense_layer import DenseLayer
 from reflest_core.models.quantisation import Tensors
+from reflest_core.models.scores import Scores
 from reflest_core.models.threads import one_blas_thread, run_in_threads
 
 SHAPES: dict[str, tuple[int, ...]] = {
@@ -68,9 +69,9 @@ class LiveGrouplet:
         self._regressor = [DenseLayer.of(tensors, f"regressor.{n}") for n in (0, 2, 4)]
         self._workspaces = [_Workspace() for _ in range(threads)]
 
-    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Array:
-        """(5,) z-scored parameters of the surface, from ten grouplets of each of ``voxels``."""
-        return self.evaluate(draw_grouplets(surface, voxels, SEED))
+    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Scores:
+        """The parameters of the surface, from ten grouplets of each of ``voxels``."""
+        return Scores(self.evaluate(draw_grouplets(surface, voxels, SEED)))
 
     def evaluate(self, drawn: Grouplets) -> Array:
         """(5,) z-scored parameters."""

@@ -12,6 +12,7 @@ from reflest_core.features.hemisphere import hemisphere_images
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.models.dense_layer import DenseLayer
 from reflest_core.models.quantisation import Tensors
+from reflest_core.models.scores import Scores
 from reflest_core.models.threads import one_blas_thread
 
 SHAPES: dict[str, tuple[int, ...]] = {
@@ -42,9 +43,9 @@ class LiveHemiCNN:
         self._fc2 = DenseLayer.of(tensors, "fc2")
         self._fc3 = DenseLayer.of(tensors, "fc3")
 
-    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Array:
-        """(5,) z-scored parameters of the surface, from the hemisphere images of ``voxels``."""
-        return self.evaluate(hemisphere_images(surface, voxels))
+    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Scores:
+        """The parameters of the surface, from the hemisphere images of ``voxels``."""
+        return Scores(self.evaluate(hemisphere_images(surface, voxels)))
 
     def evaluate(self, images: Array) -> Array:
         """(5,) z-scored parameters; ``images``: (N, 3, 10, 10), colours in [0, 1]."""

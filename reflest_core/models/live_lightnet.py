@@ -8,8 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.features.light.shading import Shading
+from reflest_core.features.light.surface_shading import surface_shading
+from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.models.dense_layer import DenseLayer
 from reflest_core.models.quantisation import Tensors
+from reflest_core.models.scores import Scores
 from reflest_core.models.threads import one_blas_thread
 
 Array = NDArray[np.float32]
@@ -29,6 +32,10 @@ class LiveLightNet:
         self._gloss = _two_layers(tensors, "gloss")
         self._diffuse_head = DenseLayer.of(tensors, "diffuse_head")
         self._gloss_head = DenseLayer.of(tensors, "gloss_head")
+
+    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Scores:
+        """What the shading of ``voxels`` tells, under the light that the surface was seen in."""
+        return Scores(*self.evaluate(surface_shading(surface, voxels)))
 
     def evaluate(self, look: Shading) -> tuple[Array, Array]:
         """Means and log variances, (5,) each, of the z-scored parameters."""

@@ -9,15 +9,19 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class ModelChoice:
-    """One way to estimate: which network, how many voxels N, which shipped weights."""
+    """One way to estimate: which network, how many voxels N, which shipped weights.
+
+    ``sees_light``: it needs the light around the surface and says how sure it is.
+    """
 
     network: str
     voxels: int
     file: str
+    sees_light: bool = False
 
 
 MODELS = {
-    "lightnet": ModelChoice("lightnet", 48, "lightnet.safetensors"),
+    "lightnet": ModelChoice("lightnet", 48, "lightnet.safetensors", sees_light=True),
     "hemicnn": ModelChoice("hemicnn", 25, "hemicnn-rmse1.safetensors"),
     "grouplet-fast": ModelChoice("grouplet", 20, "grouplet-rmse1.safetensors"),
     "grouplet-slow": ModelChoice("grouplet", 354, "grouplet-rmse1.safetensors"),

@@ -1,9 +1,10 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The two networks in PyTorch, each with the features that it eats, for training and for CUDA."""
+"""The networks in PyTorch, each with the features that it eats, for training and for CUDA."""
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -13,9 +14,11 @@ from numpy.typing import NDArray
 
 from reflest_core.features.grouplets import NODES_PER_VOXEL, draw_grouplets
 from reflest_core.features.hemisphere import hemisphere_images
+from reflest_core.features.light.surface_shading import surface_shading
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.models.grouplet import Grouplet
 from reflest_core.models.hemicnn import HemiCNN
+from reflest_core.models.lightnet import LightNet
 from reflest_core.models.live_grouplet import SEED
 
 Inputs = tuple[torch.Tensor, ...]
@@ -36,7 +39,10 @@ LIVE_DRAW = FeatureDraw(SEED)
 
 @dataclass(frozen=True)
 class NetworkKind:
-    """``features`` of a surface at chosen voxels are the arguments of ``make()``, unbatched."""
+    """``features`` of a surface at chosen voxels are the arguments of ``make()``, unbatched.
+
+    ``make()`` gives z-scored parameters, or their means and log variances.
+    """
 
     make: Callable[[], torch.nn.Module]
     features: Callable[[ObservedSurface, NDArray[np.int64], FeatureDraw], Inputs]
@@ -58,7 +64,17 @@ def grouplet_features(
     return torch.from_numpy(drawn.branches), torch.from_numpy(drawn.normals)
 
 
+def lightnet_features(
+    surface: ObservedSurface, voxels: NDArray[np.int64], draw: FeatureDraw
+) -> Inputs:
+    """The arrays of :class:`~reflest_core.features.light.shading.Shading` that LightNet takes."""
+    look = surface_shading(surface, voxels)
+    names = list(inspect.signature(LightNet.forward).parameters)[1:]
+    return tuple(torch.from_numpy(np.ascontiguousarray(getattr(look, name))) for name in names)
+
+
 NETWORKS = {
     "hemicnn": NetworkKind(HemiCNN, hemicnn_features),
     "grouplet": NetworkKind(Grouplet, grouplet_features),
+    "lightnet": NetworkKind(LightNet, lightnet_features),
 }

@@ -12,33 +12,45 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.gloss import labcd_to_ward
+from reflest_core.features.light.light_knowledge import LightKnowledge, light_knowledge
 from reflest_core.features.voxel_choice import choose_voxels
 from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.models import live_grouplet, live_hemicnn
+from reflest_core.models import lightnet_shapes, live_grouplet, live_hemicnn, live_lightnet
 from reflest_core.models.model_choice import MODELS
 from reflest_core.models.quantisation import Tensors
+from reflest_core.models.scores import Scores
 from reflest_core.models.torch_network import TorchNetwork
 from reflest_core.models.weights import SHIPPED, WeightsError, check_fits, load_weights
 
-SHAPES = {"hemicnn": live_hemicnn.SHAPES, "grouplet": live_grouplet.SHAPES}
+SHAPES = {
+    "hemicnn": live_hemicnn.SHAPES,
+    "grouplet": live_grouplet.SHAPES,
+    "lightnet": lightnet_shapes.SHAPES,
+}
+LARGEST_LOG_VARIANCE = 3.0
+"""Of a z-score; training tells variances apart up to here."""
 
 
 class LiveNetwork(Protocol):
     """A trained network together with the building of its features."""
 
-    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> NDArray[np.float32]:
-        """(5,) z-scored parameters of the surface, from its ``voxels`` (N,), all observed."""
+    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Scores:
+        """The parameters of the surface, from its ``voxels`` (N,), all observed."""
 
 
 @dataclass(frozen=True)
 class Prediction:
     """``ward``: (5,) float64 ``rho_d`` (3), ``rho_s``, ``alpha``, not clipped to physical values.
 
-    ``voxels``: (N,) indices of the voxels that they rest on.
+    ``voxels``: (N,) indices of the voxels that they rest on. ``stddev``: (5,) float64, one standard
+    deviation of each Ward parameter; None from the paper's networks, which know none.
+    ``light``: how much was known of the light; None where the network does not look at it.
     """
 
     ward: NDArray[np.float64]
     voxels: NDArray[np.int64]
+    stddev: NDArray[np.float64] | None = None
+    light: LightKnowledge | None = None
 
 
 class Predictor:
@@ -62,16 +74,31 @@ class Predictor:
             )
         check_fits(tensors, SHAPES[choice.network], path)
         self.network = _live_network(choice.network, tensors, device, threads)
-        self.voxels = choice.voxels
+        self.voxels, self._sees_light = choice.voxels, choice.sees_light
         self.model_id = f"{model}/{digest[:12]}"
 
     def predict(self, surface: ObservedSurface) -> Prediction:
         """Estimate from the surface's chosen voxels; it needs at least one observed voxel."""
         voxels = choose_voxels(surface, self.voxels)
         scores = self.network.scores(surface, voxels)
-        values = self.card.output_statistics.restore(scores.astype(np.float64))
+        values = self.card.output_statistics.restore(scores.means.astype(np.float64))
         ward = labcd_to_ward(values) if self.card.parameters == "labcd" else values
-        return Prediction(ward, voxels)
+        if not self._sees_light:
+            return Prediction(ward, voxels)
+        light = light_knowledge(surface.light, surface.normals[voxels])
+        return Prediction(ward, voxels, self._deviations(scores, light), light)
+
+    def _deviations(self, scores: Scores, light: LightKnowledge) -> NDArray[np.float64] | None:
+        """Standard deviations (5,) of the Ward parameters, calibrated.
+
+        Where nothing was seen of the light they are at least those of the materials at large.
+        """
+        if scores.log_variances is None:
+            return None
+        usual = self.card.statistics["ward"].stddev
+        log_variances = np.minimum(scores.log_variances.astype(np.float64), LARGEST_LOG_VARIANCE)
+        stddev = np.exp(0.5 * log_variances) * usual * self.card.stddev_factors
+        return np.maximum(stddev, usual) if light.seen == 0.0 else stddev
 
 
 def _live_network(network: str, tensors: Tensors, device: str, threads: int) -> LiveNetwork:
@@ -79,4 +106,6 @@ def _live_network(network: str, tensors: Tensors, device: str, threads: int) -> 
         return TorchNetwork(network, tensors, device)
     if network == "hemicnn":
         return live_hemicnn.LiveHemiCNN(tensors)
+    if network == "lightnet":
+        return live_lightnet.LiveLightNet(tensors)
     return live_grouplet.LiveGrouplet(tensors, threads)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from reflest_core.errors import ReflestError
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.models.quantisation import Tensors
+from reflest_core.models.scores import Scores
 
 
 class DeviceError(ReflestError):
@@ -41,8 +42,8 @@ class TorchNetwork:
         self._module.load_state_dict({n: torch.from_numpy(t) for n, t in tensors.items()})
         self._module.to(device).eval()
 
-    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> NDArray[np.float32]:
-        """(5,) z-scored parameters of the surface, from the features of ``voxels``."""
+    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Scores:
+        """The parameters of the surface, from the features of ``voxels``."""
         from reflest_core.models.network_kind import LIVE_DRAW
 
         torch = self._torch
@@ -51,5 +52,6 @@ class TorchNetwork:
             enabled=True, benchmark=False, deterministic=True, allow_tf32=False
         )
         with torch.inference_mode(), exact:
-            scores = self._module(*(values[None].to(self._device) for values in inputs))[0]
-        return np.asarray(scores.cpu().numpy(), np.float32)
+            found = self._module(*(values[None].to(self._device) for values in inputs))
+        outputs = found if isinstance(found, tuple) else (found,)
+        return Scores(*(np.asarray(output[0].cpu().numpy(), np.float32) for output in outputs))

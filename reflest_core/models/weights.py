@@ -8,7 +8,7 @@ import hashlib
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from safetensors.numpy import save_file
 
 from reflest_core.brdf.parameters import WardVariant
 from reflest_core.errors import ReflestError
+from reflest_core.models.model_choice import MODELS
 from reflest_core.models.normalisation import ParameterStatistics
 from reflest_core.models.quantisation import Tensors, dequantise, quantise
 
@@ -34,9 +35,13 @@ class WeightsError(ReflestError):
 class WeightsCard:
     """What a network's outputs mean and how it came to be.
 
-    ``network``: ``hemicnn`` or ``grouplet``. ``parameters``: ``ward`` or ``labcd``, the meaning of
+    ``network``: ``hemicnn``, ``grouplet`` or ``lightnet``. ``parameters``: ``ward`` or ``labcd``, the meaning of
     the five outputs after their z-score is undone. ``statistics``: the training set's, for both
     parameterisations. ``recipe``: data, loss, optimiser, seed.
+
+    Of a network that says how sure it is, fitted on environments kept from training:
+    ``stddev_factors`` (5,) float64, by which its standard deviations of the Ward parameters are
+    multiplied; ``error_correlation`` (5, 5) float64 of the errors over those deviations.
     """
 
     network: str
@@ -44,6 +49,8 @@ class WeightsCard:
     variant: WardVariant
     statistics: dict[str, ParameterStatistics]
     recipe: dict[str, Any]
+    stddev_factors: NDArray[np.float64] = field(default_factory=lambda: np.ones(5))
+    error_correlation: NDArray[np.float64] = field(default_factory=lambda: np.eye(5))
 
     @property
     def output_statistics(self) -> ParameterStatistics:
@@ -71,6 +78,8 @@ def save_weights(
                 for name, known in card.statistics.items()
             },
             "recipe": card.recipe,
+            "stddev_factors": card.stddev_factors.tolist(),
+            "error_correlation": card.error_correlation.tolist(),
         },
         sort_keys=True,
     )
@@ -100,6 +109,11 @@ def load_weights(path: Path) -> tuple[Tensors, WeightsCard, str]:
     if digest != metadata["sha256"]:
         raise WeightsError(f"{path} does not match its own hash: it is damaged; install it again")
     return dequantise(stored), _read_card(metadata["card"]), digest
+
+
+def shipped_models() -> tuple[str, ...]:
+    """Keys of :data:`MODELS` whose weights this installation holds."""
+    return tuple(name for name, choice in MODELS.items() if (SHIPPED / choice.file).is_file())
 
 
 def check_fits(tensors: Tensors, shapes: Mapping[str, tuple[int, ...]], path: Path) -> None:
@@ -144,4 +158,6 @@ def _read_card(described: str) -> WeightsCard:
         WardVariant(card["variant"]),
         statistics,
         card["recipe"],
+        np.array(card.get("stddev_factors", np.ones(5))),
+        np.array(card.get("error_correlation", np.eye(5))),
     )

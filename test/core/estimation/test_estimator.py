@@ -15,13 +15,13 @@ from reflest_core.brdf.gloss import ward_to_labcd
 from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.estimation.estimator import Estimator, NoEstimate, physical_ward
 from reflest_core.estimation.settings import EstimationSettings
-from reflest_core.models.model_choice import MODELS
+from reflest_core.models.weights import shipped_models
 from test.core.surfaces import sphere_surface, without_observations
 
 SURFACE = sphere_surface(voxels=1000)
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", shipped_models())
 def test_an_estimate_is_physical_consistent_and_repeats_bit_for_bit(model):
     estimator = Estimator(EstimationSettings(model=model))
     estimate = estimator.estimate(SURFACE, 42, "camera")

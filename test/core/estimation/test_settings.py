@@ -37,7 +37,7 @@ def test_given_values_replace_defaults(tmp_path):
         ("region: {shape: cube}", "'cube' is not one of none, box, sphere"),
         ("region: {centre: [1, 2]}", r"region\.centre needs 3 numbers, not 2"),
         ("region: {centre: [1, a, 2]}", "not a list of numbers"),
-        ("estimation: {model: resnet}", "'resnet' is not one of hemicnn"),
+        ("estimation: {model: resnet}", "'resnet' is not one of lightnet"),
     ],
 )
 def test_a_wrong_value_is_named_with_its_range(tmp_path, values, message):

@@ -15,7 +15,7 @@ import reflest_core.models
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.estimation.warm_up import warm_up
-from reflest_core.models.model_choice import MODELS
+from reflest_core.models.weights import shipped_models
 from test.core.surfaces import sphere_surface
 
 
@@ -31,7 +31,7 @@ def compiled_versions():
     return versions
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", shipped_models())
 def test_no_kernel_is_compiled_afterwards(model):
     estimator = Estimator(EstimationSettings(model=model, up=(0.0, -1.0, 0.0)))
     warm_up(estimator)

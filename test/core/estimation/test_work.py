@@ -13,6 +13,7 @@ from reflest_core.features import voxel_choice
 from reflest_core.features.voxel_choice import MOST_CANDIDATES
 from reflest_core.models import live_grouplet
 from reflest_core.models.model_choice import MODELS
+from reflest_core.models.weights import shipped_models
 from test.core.surfaces import sphere_surface
 
 BRANCH, NODE_PLACE, NODE_REST = 12 * 128 + 128 * 128, 128 * 256, 256 * 128
@@ -54,7 +55,7 @@ def work_on(surface, model, work):
     return dict(work)
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", shipped_models())
 def test_a_tenfold_scan_costs_no_more(model, work):
     small, large = (
         work_on(sphere_surface(voxels=voxels, views=60), model, work) for voxels in (5_000, 50_000)

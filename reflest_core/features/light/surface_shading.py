@@ -1,0 +1,35 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The shading of a surface under the light that it was seen in, or under an assumed one."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.brdf import srgb
+from reflest_core.features.light.shading import Shading, shading
+from reflest_core.fusion.light_map import SIZE, ObservedLight
+from reflest_core.fusion.observed_surface import ObservedSurface
+
+USUAL_ALBEDO = 0.25
+"""Mean diffuse albedo of SynBRDF's materials."""
+ASSUMED_COVERAGE = 1e-3
+"""Above 0, so that the assumed radiance counts; far below what any background shows."""
+_LINEAR = np.asarray(srgb.decode(np.arange(256) / 255.0), np.float32)
+
+
+def surface_shading(surface: ObservedSurface, voxels: NDArray[np.int64]) -> Shading:
+    """The shading of ``voxels`` by ``surface.light``; by :func:`assumed_light` if none was seen."""
+    light = surface.light
+    if light is None or not light.coverage.any():
+        light = assumed_light(surface)
+    return shading(surface, light, voxels)
+
+
+def assumed_light(surface: ObservedSurface) -> ObservedLight:
+    """Grey light from everywhere, as strong as would make the surface of usual albedo."""
+    brightness = float(_LINEAR[surface.colours].mean()) if len(surface.colours) else 0.0
+    radiance = np.full((SIZE, SIZE, 3), brightness / USUAL_ALBEDO, np.float32)
+    coverage = np.full((SIZE, SIZE), ASSUMED_COVERAGE, np.float32)
+    return ObservedLight(radiance, coverage, np.zeros((SIZE, SIZE), np.float32))
