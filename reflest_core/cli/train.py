@@ -66,9 +66,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Train to the end and say where the weights are."""
     import torch
 
+    from reflest_core.training.kept_memory import keep_freed_memory
     from reflest_core.training.processes import joined_processes
     from reflest_core.training.variants import VARIANTS
 
+    keep_freed_memory()
     if arguments.threads:
         torch.set_num_threads(arguments.threads)
     if arguments.variant or arguments.all:

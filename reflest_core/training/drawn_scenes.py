@@ -7,8 +7,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 
+from reflest_core.jit import compiled
 from reflest_core.training.augmentation import Augmentation
 from reflest_core.training.packed_scenes import PackedScenes
 from reflest_core.training.spread_voxels import random_voxels, spread_voxels
@@ -64,24 +67,24 @@ class SceneDrawer:
         scenes = torch.randint(packed.count, (batch_size,), generator=generator, device=self.device)
         kept = self._kept_views(scenes, generator)
         candidates, priority = self._candidates(scenes, generator)
-        rows, views, seen = self._observations(scenes, candidates, kept)
-        counts = seen.sum(dim=2).masked_fill(priority.isinf(), 0)
+        counts = self._counts(scenes, candidates, kept).masked_fill(priority.isinf(), 0)
         if self.augmentation.spread:
             positions, normals = packed.positions[candidates], packed.normals[candidates]
             chosen = spread_voxels(positions, normals, counts, voxels)
         else:
             chosen = random_voxels(priority, counts, voxels)
-        places = chosen[:, :, None].expand(-1, -1, rows.shape[2])
+        chosen_voxels = candidates.gather(1, chosen)
+        rows, views, seen = self._observations(scenes, chosen_voxels, kept)
         turn = 2 * math.pi * self._uniform(generator, batch_size)
         order = self._uniform(generator, batch_size, 3).argsort(dim=1)
         if not self.augmentation.channel_swap:
             order = torch.arange(3, device=self.device).expand(batch_size, 3)
         return DrawnScenes(
             scenes,
-            candidates.gather(1, chosen),
-            rows.gather(1, places),
-            views.gather(1, places),
-            seen.gather(1, places),
+            chosen_voxels,
+            rows,
+            views,
+            seen,
             about_vertical(turn),
             order,
         )
@@ -118,6 +121,13 @@ class SceneDrawer:
         priority, index = keys.masked_fill(absent, torch.inf).topk(size, dim=1, largest=False)
         return first + torch.minimum(index, counts - 1), priority
 
+    def _counts(self, scenes: Tensor, voxels: Tensor, kept: Tensor) -> Tensor:
+        """(B, C) observations of ``voxels`` from kept views."""
+        if self.device.type != "cpu":
+            return self._observations(scenes, voxels, kept)[2].sum(dim=2)
+        offsets, view_of = self.packed.offsets.numpy(), self.packed.view_of.numpy()
+        return torch.from_numpy(_kept_counts(offsets, view_of, voxels.numpy(), kept.numpy()))
+
     def _observations(
         self, scenes: Tensor, voxels: Tensor, kept: Tensor
     ) -> tuple[Tensor, Tensor, Tensor]:
@@ -131,6 +141,22 @@ class SceneDrawer:
         is_kept = kept.gather(1, views.flatten(1)).view(views.shape)
         seen = is_kept & (first + place < last)
         return rows, views + packed.first_view[scenes][:, None, None], seen
+
+
+@compiled
+def _kept_counts(
+    offsets: NDArray[np.int64],
+    view_of: NDArray[np.int16],
+    voxels: NDArray[np.int64],
+    kept: NDArray[np.bool_],
+) -> NDArray[np.int64]:
+    counts = np.zeros(voxels.shape, np.int64)
+    for scene in range(voxels.shape[0]):
+        for place in range(voxels.shape[1]):
+            voxel = voxels[scene, place]
+            for row in range(offsets[voxel], offsets[voxel + 1]):
+                counts[scene, place] += kept[scene, view_of[row]]
+    return counts
 
 
 def about_vertical(angles: Tensor) -> Tensor:

@@ -4,9 +4,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from reflest_core.features.voxel_choice import MIN_OBSERVATIONS
+from reflest_core.jit import compiled
 
 Tensor = torch.Tensor
 
@@ -51,7 +54,13 @@ def _cluster_space(positions: Tensor, normals: Tensor, eligible: Tensor) -> Tens
 
 
 def _k_centre_clusters(points: Tensor, eligible: Tensor, count: int) -> Tensor:
-    """Cluster (B, C) of each point (Gonzalez 1985), all scenes in step."""
+    """Cluster (B, C) of each point (Gonzalez 1985)."""
+    if points.device.type == "cpu":
+        return torch.from_numpy(_one_by_one(points.numpy(), eligible.numpy(), count))
+    return _in_step(points, eligible, count)
+
+
+def _in_step(points: Tensor, eligible: Tensor, count: int) -> Tensor:
     clusters = torch.zeros(points.shape[:2], dtype=torch.int64, device=points.device)
     squared = torch.full_like(points[..., 0], torch.inf)
     norms = (points**2).sum(dim=2).masked_fill(~eligible, -1.0)
@@ -63,6 +72,36 @@ def _k_centre_clusters(points: Tensor, eligible: Tensor, count: int) -> Tensor:
         squared = torch.where(closer, distance, squared)
         clusters = torch.where(closer, cluster, clusters)
         centre = squared.masked_fill(~eligible, -1.0).argmax(dim=1)
+    return clusters
+
+
+@compiled
+def _one_by_one(
+    points: NDArray[np.float64], eligible: NDArray[np.bool_], count: int
+) -> NDArray[np.int64]:
+    clusters = np.zeros(points.shape[:2], np.int64)
+    squared = np.empty(points.shape[1])
+    for scene in range(points.shape[0]):
+        squared[:] = np.inf
+        centre, farthest = 0, -1.0
+        for p in range(points.shape[1]):
+            norm = (points[scene, p] ** 2).sum()
+            if eligible[scene, p] and norm > farthest:
+                centre, farthest = p, norm
+        for cluster in range(count):
+            c0, c1, c2, c3, c4, c5 = points[scene, centre]
+            farthest = -1.0
+            for p in range(points.shape[1]):
+                x = points[scene, p]
+                distance = (
+                    (x[0] - c0) ** 2 + (x[1] - c1) ** 2 + (x[2] - c2) ** 2
+                    + (x[3] - c3) ** 2 + (x[4] - c4) ** 2 + (x[5] - c5) ** 2
+                )  # fmt: skip
+                if distance < squared[p]:
+                    squared[p] = distance
+                    clusters[scene, p] = cluster
+                if eligible[scene, p] and squared[p] > farthest:
+                    centre, farthest = p, squared[p]
     return clusters
 
 

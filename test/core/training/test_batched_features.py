@@ -13,6 +13,7 @@ from reflest_core.features.hemisphere import hemisphere_images
 from reflest_core.features.tangent_frame import tangent_frame
 from reflest_core.features.voxel_choice import choose_voxels
 from reflest_core.training import batched_hemispheres as hemispheres
+from reflest_core.training import spread_voxels as spread
 from reflest_core.training.augmentation import Augmentation, keep_views
 from reflest_core.training.batched_grouplets import batched_grouplets, choose_observations
 from reflest_core.training.drawn_scenes import SceneDrawer
@@ -101,6 +102,27 @@ def test_spread_voxels_are_those_of_the_live_path(count):
         assert chosen.shape == (1, count)
         expected = choose_voxels(few, count)
         assert sorted(set(chosen[0].tolist())) == expected.tolist()
+
+
+def test_clusters_are_the_same_one_scene_at_a_time_and_all_in_step():
+    generator = torch.Generator().manual_seed(1)
+    points = torch.rand((4, 60, 6), generator=generator, dtype=torch.float64)
+    eligible = torch.rand((4, 60), generator=generator) < 0.8
+    one_by_one = spread._one_by_one(points.numpy(), eligible.numpy(), 12)
+    np.testing.assert_array_equal(one_by_one, spread._in_step(points, eligible, 12).numpy())
+
+
+def test_voxels_are_counted_by_the_kernel_as_by_tensors():
+    few = Augmentation(views=(5, 12), candidates=1000)
+    drawer = SceneDrawer(PACKED, few)
+    generator = torch.Generator().manual_seed(3)
+    scenes = torch.tensor([0, 1, 2, 1])
+    kept = drawer._kept_views(scenes, generator)
+    candidates, _ = drawer._candidates(scenes, generator)
+    counts = drawer._counts(scenes, candidates, kept)
+    seen = drawer._observations(scenes, candidates, kept)[2]
+    np.testing.assert_array_equal(counts.numpy(), seen.sum(dim=2).numpy())
+    assert 0 < counts.max() <= 12
 
 
 def test_too_few_voxels_stand_in_twice_and_unseen_ones_never():
