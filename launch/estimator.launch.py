@@ -27,7 +27,7 @@ CAMERAS = ("none", "realsense", "azure_kinect", "orbbec", "tum")
 PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
 RVIZ_TOPICS = (
     "/reflectance/voxels", "/reflectance/markers", "/reflectance/preview",
-    "/camera/color/image_raw", "/camera/pose",
+    "/reflectance/environment/preview", "/camera/color/image_raw", "/camera/pose",
 )  # fmt: skip
 """Named in config/reflest.rviz; RViz looks for them in its namespace."""
 ARGUMENTS = (

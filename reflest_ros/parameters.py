@@ -25,7 +25,7 @@ from reflest_core.estimation.settings import ReflestSettings, with_values
 from reflest_core.parameter import ParameterError, ParameterInfo, info_of
 from reflest_ros.settings import NodeSettings
 
-LIVE_GROUPS = ("preview", "voxels", "markers", "region", "keyframe", "estimation")
+LIVE_GROUPS = ("preview", "voxels", "environment", "markers", "region", "keyframe", "estimation")
 """Groups whose parameters may change while the node runs; the rest is structural."""
 
 QOS_OVERRIDES = "qos_overrides."

@@ -7,7 +7,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from reflest_core.parameter import check_parameters, parameter
-from reflest_ros.view_settings import MarkerSettings, PreviewSettings, VoxelSettings
+from reflest_ros.view_settings import (
+    EnvironmentSettings,
+    MarkerSettings,
+    PreviewSettings,
+    VoxelSettings,
+)
 
 
 @dataclass(frozen=True)
@@ -125,4 +130,5 @@ class NodeSettings:
     input: InputSettings = field(default_factory=InputSettings)
     preview: PreviewSettings = field(default_factory=PreviewSettings)
     voxels: VoxelSettings = field(default_factory=VoxelSettings)
+    environment: EnvironmentSettings = field(default_factory=EnvironmentSettings)
     markers: MarkerSettings = field(default_factory=MarkerSettings)

@@ -11,6 +11,7 @@ from typing import Any, TypeVar, cast
 
 from rclpy.node import Node
 
+from reflest_core.environment.environment_map import HEIGHT
 from reflest_core.estimation.settings import with_values
 from reflest_core.fusion.snapshot import MOST_VOXELS
 from reflest_core.parameter import check_parameters, parameter
@@ -47,6 +48,19 @@ class VoxelSettings:
     max_points: int = parameter(
         MOST_VOXELS, "Most points in the cloud; a larger one is thinned evenly.",
         minimum=100, maximum=MOST_VOXELS,
+    )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        check_parameters(self)
+
+
+@dataclass(frozen=True)
+class EnvironmentSettings:
+    """The images on ``reflectance/environment``."""
+
+    height: int = parameter(
+        HEIGHT, "Rows of the images of the light around the object; they are twice as wide.",
+        unit="pixels", minimum=16, maximum=512,
     )  # fmt: skip
 
     def __post_init__(self) -> None:

@@ -8,9 +8,10 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
+from reflest_ros.environment import Environment
 from reflest_ros.estimate_view import EstimateView
 from reflest_ros.markers import Markers
 from reflest_ros.preview import Preview
 from reflest_ros.voxel_cloud import VoxelCloud
 
-VIEWS: tuple[Callable[[Node], EstimateView], ...] = (Preview, VoxelCloud, Markers)
+VIEWS: tuple[Callable[[Node], EstimateView], ...] = (Preview, VoxelCloud, Environment, Markers)

@@ -31,6 +31,20 @@ def octahedral_texel(x: float, y: float, z: float, size: int) -> tuple[int, int]
     return row, column
 
 
+def octahedral_texels(directions: NDArray[np.floating], size: int) -> NDArray[np.int64]:
+    """:func:`octahedral_texel` of ``directions`` (..., 3), as indices (...) into the flat map."""
+    norm = np.abs(directions).sum(axis=-1)
+    u, v = directions[..., 0] / norm, directions[..., 1] / norm
+    is_below = directions[..., 2] < 0.0
+    folded_u = (1.0 - np.abs(v)) * np.where(u >= 0.0, 1.0, -1.0)
+    folded_v = (1.0 - np.abs(u)) * np.where(v >= 0.0, 1.0, -1.0)
+    column, row = (
+        np.clip(((place + 1.0) * 0.5 * size).astype(np.int64), 0, size - 1)
+        for place in (np.where(is_below, folded_u, u), np.where(is_below, folded_v, v))
+    )
+    return np.asarray(row * size + column)
+
+
 def octahedral_directions(size: int) -> NDArray[np.float32]:
     """Unit vectors (size, size, 3) of the texels' centres."""
     points = _points(size)

@@ -17,6 +17,21 @@ OUTPUTS = {
         "`normal_x normal_y normal_z`, `views` (observations of the voxel). Without points after a "
         "reset."
     ),
+    "/reflectance/environment": (
+        "The light around the object in the world frame, equirectangular, `32FC3`: red, green, "
+        "blue in linear sRGB, 1 at the camera's white in the first frame. Row 0 looks along +z, "
+        "the middle column along +x, the column a quarter of the width to its left along +y. Seen "
+        "where the coverage says so, completed elsewhere; black after a reset. RViz and Foxglove "
+        "do not show float colours: look at its preview."
+    ),
+    "/reflectance/environment/coverage": (
+        "Of each of its pixels, `mono8`: 255 seen, 127 seen but known only as a lower bound (the "
+        "camera's white was passed), 0 not seen: completed."
+    ),
+    "/reflectance/environment/preview": (
+        "The same light to look at, `rgb8`, sRGB, as the camera exposed it; what was not seen is "
+        "dim."
+    ),
     "/reflectance/markers": (
         "In the world frame: the values and how far to trust them as text (namespace `values`), "
         "the cameras of the keyframes, newest brightest (`keyframes`), the region of interest "

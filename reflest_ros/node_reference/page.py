@@ -36,11 +36,11 @@ code and from a node that runs; a test compares the two.
 """
 
 LOOKS = """\
-Preview, voxels and markers are made at keyframes and on `~/estimate`, off the fusion thread, and
-only where someone subscribes; who comes later gets the last keyframe at once. RViz and Foxglove
-show them without plug-ins: `config/reflest.rviz`, `config/foxglove_layout.json`. The pictures are
-renders of these messages from the shipped capture by `python -m reflest_ros.demo.pictures`, not
-screenshots of a display.
+Preview, voxels, environment and markers are made at keyframes and on `~/estimate`, off the fusion
+thread, and only where someone subscribes; who comes later gets the last keyframe at once. RViz and
+Foxglove show them without plug-ins: `config/reflest.rviz`, `config/foxglove_layout.json`. The
+pictures are renders of these messages from the shipped capture by
+`python -m reflest_ros.demo.pictures`, not screenshots of a display.
 
 ![The sphere of the preview](images/view-preview.png)
 ![The cloud in its three colourings](images/view-voxels.png)

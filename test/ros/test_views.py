@@ -23,6 +23,9 @@ FRAMES = 24
 TOPICS = {
     "/reflectance/preview": Image,
     "/reflectance/voxels": PointCloud2,
+    "/reflectance/environment": Image,
+    "/reflectance/environment/coverage": Image,
+    "/reflectance/environment/preview": Image,
     "/reflectance/markers": MarkerArray,
 }
 
@@ -80,6 +83,20 @@ def test_all_show_the_same_estimate(shown, peer):
         assert marker.header == cloud.header
 
 
+def test_the_light_is_shown_with_what_was_seen_of_it(shown, peer):
+    light = shown["/reflectance/environment"][-1]
+    coverage = shown["/reflectance/environment/coverage"][-1]
+    preview = shown["/reflectance/environment/preview"][-1]
+    assert (light.height, light.width, light.encoding) == (128, 256, "32FC3")
+    assert (preview.height, preview.width, preview.encoding) == (128, 256, "rgb8")
+    assert light.header == coverage.header == preview.header
+    assert light.header.frame_id == "world"
+    radiance = np.frombuffer(light.data, np.float32)
+    assert radiance.min() >= 0.0 < radiance.max()
+    codes = np.frombuffer(coverage.data, np.uint8)
+    assert 0.05 < (codes > 0).mean() < 1.0
+
+
 def test_the_keyframes_are_remembered_though_nobody_looked(shown):
     markers = shown["/reflectance/markers"][-1].markers
     (cameras,) = (one for one in markers if one.ns == "keyframes")
@@ -109,6 +126,8 @@ def test_a_reset_empties_cloud_and_markers(shown, peer):
     assert peer.call(Trigger, "reset").success
     clouds, markers = shown["/reflectance/voxels"], shown["/reflectance/markers"]
     peer.wait_until(lambda: clouds[-1].width == 0, "the cloud was not emptied")
+    coverages = shown["/reflectance/environment/coverage"]
+    peer.wait_until(lambda: not any(coverages[-1].data), "the light was not forgotten")
     peer.wait_until(
         lambda: markers[-1].markers[0].action == Marker.DELETEALL, "markers were not deleted"
     )

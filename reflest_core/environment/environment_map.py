@@ -1,0 +1,56 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The light that a scan saw behind the object, completed, as an equirectangular map."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.environment.equirectangular import equirectangular_directions
+from reflest_core.features.light.completion import complete
+from reflest_core.fusion.light_map import ObservedLight
+from reflest_core.fusion.octahedral import octahedral_texels
+
+HEIGHT = 128
+"""Rows by default: 1.4 degrees each, finer than a texel of the light map."""
+SAMPLES = 3
+"""Looked up along each edge of a pixel and averaged."""
+
+
+@dataclass(frozen=True)
+class EnvironmentMap:
+    """Light in the world frame, in the convention of :mod:`.equirectangular`.
+
+    ``radiance``: (H, 2 H, 3) float32, linear sRGB, 1 at the sensor's white in the first frame:
+    relative, for nobody knows the exposure. Where the light was seen it is what was seen, elsewhere
+    it is completed as for the estimate. ``coverage``: (H, 2 H) float32 in [0, 1], the share of the
+    pixel that was seen. ``clipped``: (H, 2 H) float32 in [0, 1], the share of what was seen there
+    that is known only as a lower bound, for the camera's white was passed.
+    """
+
+    radiance: NDArray[np.float32]
+    coverage: NDArray[np.float32]
+    clipped: NDArray[np.float32]
+
+
+def environment_map(light: ObservedLight, height: int = HEIGHT) -> EnvironmentMap:
+    """The map of ``height`` rows; all zeros where no light was seen at all."""
+    level = complete(light).levels[0]
+    looked_up = level.reshape(-1, level.shape[-1])[_texels(height, len(level))].mean(axis=2)
+    coverage = looked_up[..., 3]
+    clipped = looked_up[..., 4] / np.maximum(coverage, 1e-6)
+    return EnvironmentMap(
+        np.ascontiguousarray(looked_up[..., :3]), np.ascontiguousarray(coverage), clipped
+    )
+
+
+@lru_cache(maxsize=2)
+def _texels(height: int, size: int) -> NDArray[np.int64]:
+    """(height, 2 height, SAMPLES^2) texels of the octahedral map that a pixel's samples lie in."""
+    fine = octahedral_texels(equirectangular_directions(height * SAMPLES), size)
+    cells = fine.reshape(height, SAMPLES, 2 * height, SAMPLES).swapaxes(1, 2)
+    return cells.reshape(height, 2 * height, SAMPLES**2)
