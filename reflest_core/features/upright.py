@@ -9,11 +9,12 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.features.turned_light import turned_light
 from reflest_core.fusion.observed_surface import ObservedSurface
 
 
 def upright(surface: ObservedSurface, up: tuple[float, float, float]) -> ObservedSurface:
-    """The surface and its cameras, turned the shortest way that takes direction ``up`` to +z."""
+    """Surface, cameras and light, turned the shortest way that takes direction ``up`` to +z."""
     if up == (0.0, 0.0, 1.0):
         return surface
     rotation = _shortest_rotation_to_z(np.array(up) / np.linalg.norm(up)).astype(np.float32)
@@ -22,6 +23,7 @@ def upright(surface: ObservedSurface, up: tuple[float, float, float]) -> Observe
         positions=surface.positions @ rotation.T,
         normals=surface.normals @ rotation.T,
         view_centres=surface.view_centres @ rotation.T,
+        light=None if surface.light is None else turned_light(surface.light, rotation),
     )
 
 

@@ -35,9 +35,9 @@ class WeightsError(ReflestError):
 class WeightsCard:
     """What a network's outputs mean and how it came to be.
 
-    ``network``: ``hemicnn``, ``grouplet`` or ``lightnet``. ``parameters``: ``ward`` or ``labcd``, the meaning of
-    the five outputs after their z-score is undone. ``statistics``: the training set's, for both
-    parameterisations. ``recipe``: data, loss, optimiser, seed.
+    ``network``: ``hemicnn``, ``grouplet`` or ``lightnet``. ``parameters``: ``ward`` or ``labcd``,
+    the meaning of the five outputs after their z-score is undone. ``statistics``: the training
+    set's, for both parameterisations. ``recipe``: data, loss, optimiser, seed.
 
     Of a network that says how sure it is, fitted on environments kept from training:
     ``stddev_factors`` (5,) float64, by which its standard deviations of the Ward parameters are
