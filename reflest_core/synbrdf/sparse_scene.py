@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf import rgbe
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.synbrdf import rgbe
 from reflest_core.synbrdf.exposure import auto_exposure, expose
 from reflest_core.synbrdf.mitsuba_scene import RadianceTracer, first_hits, mitsuba_scene
 from reflest_core.synbrdf.scene import Scene

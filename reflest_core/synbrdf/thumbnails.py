@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf import rgbe
 from reflest_core.capture.camera import CameraIntrinsics
-from reflest_core.synbrdf import rgbe
 
 THUMBNAIL = CameraIntrinsics(48, 36, 39.4, 39.4, 23.5, 17.5)
 """A VGA depth camera's view in 48 x 36 pixels."""

@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from reflest_core.synbrdf import rgbe
+from reflest_core.brdf import rgbe
 from reflest_core.synbrdf.exposure import auto_exposure, expose
 from reflest_core.synbrdf.metering import Metering, object_exposure, remetered
 from test.synbrdf.realism.sparse_scenes import ball_scene

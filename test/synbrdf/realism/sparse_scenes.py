@@ -4,9 +4,9 @@
 
 import numpy as np
 
+from reflest_core.brdf import rgbe
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.synbrdf import rgbe
 from reflest_core.synbrdf.exposure import expose
 from reflest_core.synbrdf.scene_file import SynbrdfScene
 from reflest_core.synbrdf.thumbnails import Thumbnails

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from reflest_core.synbrdf import rgbe
+from reflest_core.brdf import rgbe
 
 RADIANCES = arrays(
     np.float32, (7, 3), elements=st.floats(0, np.float32(1e30), width=32, allow_subnormal=False)
