@@ -7,6 +7,9 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass
 
+SMALLEST_ALPHA = 0.001
+"""The roughness of the glossiest OpenSurfaces material (``doi`` = 15)."""
+
 
 class WardVariant(enum.Enum):
     """Which specular normalisation is meant; every estimate, file and message names it."""

@@ -11,7 +11,10 @@ from typing import Any
 
 from reflest_core.brdf.parameters import WardParameters, WardVariant
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
+"""Since 2 the status speaks of light and gloss too, and ``status_text`` of every doubt."""
+READABLE_VERSIONS = (1, 2)
+"""What was written of old can still be read: no other field has changed its meaning."""
 Rgb = tuple[float, float, float]
 UNKNOWN_RGB: Rgb = (math.nan, math.nan, math.nan)
 
@@ -22,6 +25,9 @@ class EstimateStatus(enum.IntEnum):
     OK = 0
     LOW_COVERAGE = 1
     FEW_VOXELS = 2
+    LOW_LIGHT = 3
+    CLIPPED_LIGHT = 4
+    UNCERTAIN_GLOSS = 5
 
 
 @dataclass(frozen=True)
@@ -30,9 +36,10 @@ class BrdfEstimate:
 
     ``stamp_ns``: stamp of the keyframe's image. ``rho_d``: linear sRGB (Rec. 709, D65) in [0, 1].
     ``rho_s`` >= 0, ``alpha`` > 0. ``lab``: CIE L*a*b*, D65/2 degrees. ``c``, ``d``: Eq. 2.
-    ``*_stddev``: one standard deviation. ``coverage``: mean share of each used voxel's hemisphere
-    of view directions that was seen, in [0, 1]. ``latency``: seconds from the arrival of the
-    keyframe's image to publication, NaN offline.
+    ``*_stddev``: one standard deviation. ``status``: the gravest doubt of ``estimation.doubts``;
+    ``status_text``: the sentences of all, joined by "; ". ``coverage``: mean share of each used
+    voxel's hemisphere of view directions that was seen, in [0, 1]. ``latency``: seconds from the
+    arrival of the keyframe's image to publication, NaN offline.
     """
 
     stamp_ns: int

@@ -5,21 +5,22 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf.deviations import labcd_stddev
 from reflest_core.brdf.gloss import ward_to_labcd
+from reflest_core.brdf.parameters import SMALLEST_ALPHA
 from reflest_core.errors import ReflestError
+from reflest_core.estimation.doubts import Evidence, doubts
 from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.features.coverage import hemisphere_coverage
 from reflest_core.features.upright import upright
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.models.predictor import Predictor
-
-SMALLEST_ALPHA = 0.001
-"""The roughness of the glossiest OpenSurfaces material (``doi`` = 15)."""
 
 
 class NoEstimate(ReflestError):
@@ -50,7 +51,10 @@ class Estimator:
         red, green, blue, rho_s, alpha = ward.tolist()
         lightness, a, b, c, d = ward_to_labcd(ward).tolist()
         coverage = hemisphere_coverage(surface, prediction.voxels)
-        status, status_text = self._judge(coverage, len(prediction.voxels))
+        evidence = Evidence(
+            len(prediction.voxels), self.predictor.voxels, coverage, prediction.light, rho_s
+        )
+        found = list(doubts(evidence, self.settings))
         return BrdfEstimate(
             stamp_ns=stamp_ns,
             frame_id=frame_id,
@@ -67,23 +71,28 @@ class Estimator:
             observation_count=len(surface.colours),
             view_count=surface.observing_views,
             coverage=coverage,
-            status=status,
-            status_text=status_text,
+            status=found[0][0] if found else EstimateStatus.OK,
+            status_text="; ".join(sentence for _, sentence in found),
+            **self._deviations(ward, prediction.stddev),
         )
 
-    def _judge(self, coverage: float, voxels: int) -> tuple[EstimateStatus, str]:
-        if voxels < self.predictor.voxels:
-            return (
-                EstimateStatus.FEW_VOXELS,
-                f"{voxels} voxels where the network expects {self.predictor.voxels}",
-            )
-        if coverage < self.settings.low_coverage:
-            return (
-                EstimateStatus.LOW_COVERAGE,
-                f"{coverage:.0%} of view directions seen, below {self.settings.low_coverage:.0%}: "
-                "move around the object",
-            )
-        return EstimateStatus.OK, ""
+    def _deviations(
+        self, ward: NDArray[np.float64], stddev: NDArray[np.float64] | None
+    ) -> dict[str, Any]:
+        """The estimate's fields of standard deviations; none where the network knows none."""
+        if stddev is None:
+            return {}
+        red, green, blue, rho_s, alpha = stddev.tolist()
+        correlation = self.predictor.card.error_correlation
+        lightness, a, b, c, d = labcd_stddev(ward, stddev, correlation).tolist()
+        return {
+            "rho_d_stddev": (red, green, blue),
+            "rho_s_stddev": rho_s,
+            "alpha_stddev": alpha,
+            "lab_stddev": (lightness, a, b),
+            "c_stddev": c,
+            "d_stddev": d,
+        }
 
 
 def physical_ward(ward: NDArray[np.float64]) -> NDArray[np.float64]:

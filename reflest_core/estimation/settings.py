@@ -41,6 +41,21 @@ class EstimationSettings:
         "Below this share of each voxel's view directions an estimate is marked LOW_COVERAGE.",
         minimum=0.0, maximum=1.0,
     )  # fmt: skip
+    low_light: float = parameter(
+        0.3,
+        "Below this share of the directions that light the surface, as the background showed them, "
+        "lightnet's estimate is marked LOW_LIGHT.",
+        minimum=0.0, maximum=1.0,
+    )  # fmt: skip
+    clipped_light: float = parameter(
+        0.5,
+        "Above this share of the light from overexposed background lightnet's estimate is marked "
+        "CLIPPED_LIGHT.",
+        minimum=0.0, maximum=1.0,
+    )  # fmt: skip
+    low_gloss: float = parameter(
+        0.03, "Below this rho_s an estimate is marked UNCERTAIN_GLOSS.", minimum=0.0, maximum=1.0
+    )
 
     def __post_init__(self) -> None:
         check_parameters(self)

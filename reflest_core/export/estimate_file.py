@@ -10,7 +10,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
+from reflest_core.estimation.estimate import READABLE_VERSIONS, BrdfEstimate, EstimateStatus
 from reflest_core.export.errors import ExportError
 
 
@@ -28,10 +28,10 @@ def read_estimate(path: Path) -> BrdfEstimate:
         raise ExportError(f"{path} is not JSON ({error})") from error
     if not isinstance(record, dict):
         raise ExportError(f"{path} holds no estimate: expected what `reflest replay --json` writes")
-    if record.get("schema_version") != SCHEMA_VERSION:
+    if record.get("schema_version") not in READABLE_VERSIONS:
         raise ExportError(
             f"{path} has schema_version {record.get('schema_version')!r} where this reflest reads "
-            f"{SCHEMA_VERSION}: replay the capture again"
+            f"{' and '.join(map(str, READABLE_VERSIONS))}: replay the capture again"
         )
     if "final" in record:
         if record["final"] is None:

@@ -1,0 +1,73 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Reasons not to trust an estimate, the gravest first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from reflest_core.estimation.estimate import EstimateStatus
+from reflest_core.estimation.settings import EstimationSettings
+from reflest_core.features.light.light_knowledge import LightKnowledge
+
+Doubt = tuple[EstimateStatus, str]
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What an estimate rests on.
+
+    ``voxels``: how many the network looked at, ``wanted_voxels``: how many it expects.
+    ``coverage``: share of view directions seen. ``light``: None where the network does not look at
+    it. ``rho_s``: as estimated.
+    """
+
+    voxels: int
+    wanted_voxels: int
+    coverage: float
+    light: LightKnowledge | None
+    rho_s: float
+
+
+def doubts(evidence: Evidence, settings: EstimationSettings) -> Iterator[Doubt]:
+    """Status and sentence of everything that is in doubt, in the order of precedence.
+
+    First what was not scanned, then what is not known of the light, then what this material hides.
+    """
+    if evidence.voxels < evidence.wanted_voxels:
+        yield (
+            EstimateStatus.FEW_VOXELS,
+            f"{evidence.voxels} voxels where the network expects {evidence.wanted_voxels}: "
+            "scan more of the object",
+        )
+    if evidence.coverage < settings.low_coverage:
+        yield (
+            EstimateStatus.LOW_COVERAGE,
+            f"{evidence.coverage:.0%} of view directions seen, below {settings.low_coverage:.0%}: "
+            "move around the object",
+        )
+    if evidence.light is not None:
+        yield from _of_light(evidence.light, settings)
+    if evidence.rho_s < settings.low_gloss:
+        yield (
+            EstimateStatus.UNCERTAIN_GLOSS,
+            f"rho_s is {evidence.rho_s:.3f}, below {settings.low_gloss:g}: the surface is so matt "
+            "that alpha cannot be told",
+        )
+
+
+def _of_light(light: LightKnowledge, settings: EstimationSettings) -> Iterator[Doubt]:
+    if light.seen == 0.0 or light.seen < settings.low_light:
+        share = f"{light.seen:.0%}" if light.seen > 0.0 else "none"
+        yield (
+            EstimateStatus.LOW_LIGHT,
+            f"{share} of the surroundings that light the surface seen, below "
+            f"{settings.low_light:.0%}: show the room around the object too",
+        )
+    if light.clipped > settings.clipped_light:
+        yield (
+            EstimateStatus.CLIPPED_LIGHT,
+            f"{light.clipped:.0%} of the light is overexposed background, above "
+            f"{settings.clipped_light:.0%}: lower the exposure, or shade lamps and windows",
+        )

@@ -1,0 +1,63 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Reasons not to trust an estimate: each by its threshold, the gravest first."""
+
+import re
+
+import pytest
+
+from reflest_core.estimation.doubts import Evidence, doubts
+from reflest_core.estimation.estimate import EstimateStatus
+from reflest_core.estimation.settings import EstimationSettings
+from reflest_core.features.light.light_knowledge import LightKnowledge
+
+SETTINGS = EstimationSettings(low_coverage=0.2, low_light=0.3, clipped_light=0.5, low_gloss=0.02)
+SURE = {
+    "voxels": 48, "wanted_voxels": 48, "coverage": 0.2, "light": LightKnowledge(0.3, 0.5),
+    "rho_s": 0.02,
+}  # fmt: skip
+LONGEST_TEXT = 512
+"""Of ``status_text`` in the message."""
+
+
+@pytest.mark.parametrize(
+    ("changed", "status", "sentence"),
+    [
+        ({"voxels": 47}, EstimateStatus.FEW_VOXELS, "47 voxels.*48: scan more"),
+        ({"coverage": 0.19}, EstimateStatus.LOW_COVERAGE, "19%.*20%: move around"),
+        ({"light": LightKnowledge(0.29, 0.0)}, EstimateStatus.LOW_LIGHT, "29%.*30%: show the room"),
+        ({"light": LightKnowledge(0.0, 0.0)}, EstimateStatus.LOW_LIGHT, "^none.*30%"),
+        (
+            {"light": LightKnowledge(0.9, 0.51)}, EstimateStatus.CLIPPED_LIGHT,
+            "51%.*50%: lower the exposure",
+        ),
+        ({"rho_s": 0.019}, EstimateStatus.UNCERTAIN_GLOSS, "0.019, below 0.02: .* alpha cannot"),
+    ],
+)  # fmt: skip
+def test_each_threshold_is_a_doubt_and_what_to_do(changed, status, sentence):
+    assert list(doubts(Evidence(**SURE), SETTINGS)) == []
+    ((found, text),) = doubts(Evidence(**{**SURE, **changed}), SETTINGS)
+    assert found is status
+    assert re.search(sentence, text)
+
+
+def test_no_light_at_all_is_in_doubt_whatever_the_threshold():
+    evidence = Evidence(**{**SURE, "light": LightKnowledge(0.0, 0.0)})
+    ((status, _),) = doubts(evidence, EstimationSettings(low_light=0.0, low_gloss=0.0))
+    assert status is EstimateStatus.LOW_LIGHT
+
+
+def test_networks_that_do_not_look_at_the_light_are_not_judged_by_it():
+    assert list(doubts(Evidence(**{**SURE, "light": None}), SETTINGS)) == []
+
+
+def test_all_doubts_come_in_the_order_that_the_message_states_and_fit_into_it():
+    worst = Evidence(1000, 1001, 0.001, LightKnowledge(0.101, 0.991), 0.0)
+    strict = EstimationSettings(
+        low_coverage=0.999, low_light=0.999, clipped_light=0.111, low_gloss=0.999
+    )
+    found = list(doubts(worst, strict))
+    assert [status.name for status, _ in found] == [
+        "FEW_VOXELS", "LOW_COVERAGE", "LOW_LIGHT", "CLIPPED_LIGHT", "UNCERTAIN_GLOSS",
+    ]  # fmt: skip
+    assert len("; ".join(sentence for _, sentence in found)) <= LONGEST_TEXT

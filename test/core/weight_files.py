@@ -1,0 +1,29 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Weights that no training has touched, for tests of the way from scan to numbers."""
+
+import numpy as np
+import torch
+
+from reflest_core.brdf.parameters import WardVariant
+from reflest_core.models.lightnet import LightNet
+from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.models.weights import WeightsCard, save_weights
+
+USUAL = ParameterStatistics(
+    np.array([0.25, 0.25, 0.25, 0.3, 0.1]), np.array([0.2, 0.2, 0.2, 0.3, 0.06])
+)
+
+
+def untrained_lightnet(folder, factors=(1.0, 1.0, 1.0, 1.0, 1.0), correlation=None):
+    """Path of the weight file of a LightNet as it is first made, always the same."""
+    path = folder / "untrained-lightnet.safetensors"
+    with torch.random.fork_rng():
+        torch.manual_seed(7)
+        module = LightNet()
+    card = WeightsCard(
+        "lightnet", "ward", WardVariant.WARD_1992, {"ward": USUAL, "labcd": USUAL}, {},
+        np.array(factors), np.eye(5) if correlation is None else correlation,
+    )  # fmt: skip
+    save_weights(path, module.state_dict(), card, eight_bit=False)
+    return path
