@@ -1,12 +1,14 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""``~/estimate`` and ``~/export``: the material, from all that was scanned so far."""
+"""``~/estimate`` and ``~/export``: the material or the light, from all that was scanned so far."""
 
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_core.export.environment_file import LIGHT_FORMATS, export_environment
 from reflest_core.export.material_file import export_estimate
 from reflest_ros.estimate_message import estimate_to_message
 from reflest_ros.estimation_worker import EstimationWorker
@@ -40,15 +42,22 @@ class EstimateServices:
     def export(
         self, request: ExportEstimate.Request, response: ExportEstimate.Response
     ) -> ExportEstimate.Response:
-        """Estimate, and write the material as a file of another program."""
+        """Estimate and write the material, or write the light, as a file of another program."""
 
         def work() -> str:
             path = given_path(request.path)
+            if request.format in LIGHT_FORMATS:
+                return self._export_light(request.format, path)
             estimate = self._estimate_now()
             export_estimate(estimate, request.format, path)
             return f"wrote {path}: {_origin(estimate)}"
 
         return answer_with(response, work)
+
+    def _export_light(self, format_name: str, path: Path) -> str:
+        light = self._fusion.call(self._fusion.snapshot).result().surface.light
+        export_environment(light, format_name, path)
+        return f"wrote {path}: light of which {light.seen_share if light else 0.0:.0%} was seen"
 
     def _estimate_now(self) -> BrdfEstimate:
         asked = time.monotonic()

@@ -20,6 +20,10 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("capture", type=Path, metavar="CAPTURE")
     parser.add_argument("--json", type=Path, metavar="OUT", help="write all estimates as JSON")
     parser.add_argument("--save-scan", type=Path, metavar="FILE", help="write volume and store")
+    parser.add_argument(
+        "--environment", type=Path, metavar="FILE",
+        help="write the light around the object as .hdr or .exr",
+    )  # fmt: skip
     parser.add_argument("--model", help="hemicnn, grouplet-fast or grouplet-slow")
     parser.add_argument("--weights", metavar="FILE", help="weights in place of the shipped ones")
     parser.add_argument("--config", type=Path, metavar="YAML", help="a ROS parameter file")

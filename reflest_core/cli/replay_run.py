@@ -24,6 +24,7 @@ from reflest_core.cli.replay_report import (
 )
 from reflest_core.estimation.estimator import NoEstimate
 from reflest_core.estimation.scanner import Scanner
+from reflest_core.export.environment_file import export_environment, light_format
 
 
 def replay(options: argparse.Namespace) -> None:
@@ -32,9 +33,10 @@ def replay(options: argparse.Namespace) -> None:
     Raises:
         ReflestError: a bad option, an unreadable capture, or no estimate at its end.
     """
-    for path in (options.json, options.save_scan):
+    for path in (options.json, options.save_scan, options.environment):
         if path is not None:
             check_writable(path)
+    light_kind = light_format(options.environment) if options.environment else ""
     settings = replay_settings(options)
     pinhole = tuple(options.intrinsics) if options.intrinsics else None
     topics = topic_choice(options)
@@ -51,6 +53,8 @@ def replay(options: argparse.Namespace) -> None:
         write_json(options.json, replay_record(capture, settings, result))
     if options.save_scan is not None and result.fused_count:
         scanner.save(options.save_scan)
+    if light_kind and result.fused_count:
+        export_environment(scanner.scan.light.observed(), light_kind, options.environment)
     if result.final is None:
         raise CaptureError(f"{capture.name} gives no estimate: {result.no_final}")
 

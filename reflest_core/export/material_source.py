@@ -14,13 +14,17 @@ from reflest_core.export.errors import ExportError
 
 @dataclass(frozen=True)
 class MaterialSource:
-    """``ward``: the material. ``provenance``: names to plain values, which travel in the file."""
+    """``ward``: the material. ``provenance``: names to plain values, which travel in the file.
+
+    ``light``: the environment's file, as a path from the folder of the material's; may be empty.
+    """
 
     ward: WardParameters
     provenance: dict[str, str | float | list[float]]
+    light: str = ""
 
     @staticmethod
-    def from_estimate(estimate: BrdfEstimate) -> MaterialSource:
+    def from_estimate(estimate: BrdfEstimate, light: str = "") -> MaterialSource:
         """Check the values; :class:`ExportError` names the one that is not physical."""
         ward = _ward(estimate)
         _check("rho_d", min(ward.rho_d) >= 0 and max(ward.rho_d) <= 1, "in [0, 1]", ward.rho_d)
@@ -35,7 +39,7 @@ class MaterialSource:
             # A string: 64 bits do not fit into the numbers of JSON.
             "stamp_ns": str(estimate.stamp_ns),
         }
-        return MaterialSource(ward, provenance)
+        return MaterialSource(ward, provenance, light)
 
 
 def _ward(estimate: BrdfEstimate) -> WardParameters:

@@ -45,7 +45,7 @@ def stock_scene(source: MaterialSource) -> bytes:
 
 
 def _scene(source: MaterialSource, bsdf: ElementTree.Element) -> bytes:
-    """A unit sphere, seen along +y with z up, under an even sky and a distant light."""
+    """A unit sphere, seen along +y with z up, under the scan's light or an invented one."""
     scene = ElementTree.Element("scene", version=SCENE_VERSION)
     facts = "; ".join(f"{name} = {value}" for name, value in source.provenance.items())
     # A comment must not hold two hyphens in a row.
@@ -61,15 +61,32 @@ def _scene(source: MaterialSource, bsdf: ElementTree.Element) -> bytes:
     _add(film, "integer", "height", "256")
     sampler = ElementTree.SubElement(sensor, "sampler", type="independent")
     _add(sampler, "integer", "sample_count", "64")
+    if source.light:
+        _add_environment(scene, source.light)
+    else:
+        _add_sky_and_lamp(scene)
+    sphere = ElementTree.SubElement(scene, "shape", type="sphere")
+    sphere.append(bsdf)
+    ElementTree.indent(scene)
+    return bytes(ElementTree.tostring(scene, encoding="utf-8", xml_declaration=True)) + b"\n"
+
+
+def _add_environment(scene: ElementTree.Element, file: str) -> None:
+    """The light of the scan. Mitsuba's maps have y up and -z in the middle; ours z and +x."""
+    light = ElementTree.SubElement(scene, "emitter", type="envmap")
+    _add(light, "string", "filename", file)
+    to_world = ElementTree.SubElement(light, "transform", name="to_world")
+    ElementTree.SubElement(to_world, "rotate", x="1", angle="90")
+    ElementTree.SubElement(to_world, "rotate", z="1", angle="90")
+
+
+def _add_sky_and_lamp(scene: ElementTree.Element) -> None:
+    """An even sky and a distant light from above and left of the camera."""
     sky = ElementTree.SubElement(scene, "emitter", type="constant")
     _add(sky, "rgb", "radiance", "0.4, 0.4, 0.4")
     light = ElementTree.SubElement(scene, "emitter", type="directional")
     _add(light, "vector", "direction", "-0.15, 0.9, -0.6")
     _add(light, "rgb", "irradiance", "2, 2, 2")
-    sphere = ElementTree.SubElement(scene, "shape", type="sphere")
-    sphere.append(bsdf)
-    ElementTree.indent(scene)
-    return bytes(ElementTree.tostring(scene, encoding="utf-8", xml_declaration=True)) + b"\n"
 
 
 def _add(parent: ElementTree.Element, kind: str, name: str, value: str) -> None:

@@ -53,8 +53,17 @@ def Xform "reflest" (
             token outputs:surface
         }}
     }}
-}}
+{light}}}
 """
+
+LIGHT = """
+    def DomeLight "light"
+    {{
+        asset inputs:texture:file = @@@{file}@@@
+        token inputs:texture:format = "latlong"
+    }}
+"""
+"""A dome's middle is +z and its pole +y: the scan's world x, y, z become the stage's z, x, y."""
 
 
 def usd_text(source: MaterialSource) -> bytes:
@@ -67,8 +76,14 @@ def usd_text(source: MaterialSource) -> bytes:
         base_colour=_tuple(material.base_colour),
         specular_colour=_tuple((material.f0,) * 3),
         roughness=material.roughness,
+        light=LIGHT.format(file=_anchored(source.light)) if source.light else "",
     )
     return text.encode("utf-8")
+
+
+def _anchored(path: str) -> str:
+    """``path`` as USD resolves it from the file's own folder, not from its search path."""
+    return path if path.startswith(("/", "../")) else f"./{path}"
 
 
 def _attribute(name: str, value: str | float | list[float]) -> str:

@@ -17,6 +17,7 @@ from sphere_messages import RGB, messages_of
 from sphere_scene import CENTRE, PERIOD_NS, views
 from std_srvs.srv import Trigger
 
+from reflest_core.export.environment_file import LIGHT_FORMATS
 from reflest_core.export.material_file import FORMATS
 from reflest_ros.srv import Estimate, ExportEstimate, LoadScan, SaveScan, SetRegion
 
@@ -80,9 +81,20 @@ def test_export_writes_what_is_estimated_now(peer, send, tmp_path, format_name):
         )
 
 
+@pytest.mark.parametrize("format_name", LIGHT_FORMATS)
+def test_export_writes_the_light_that_was_seen(peer, send, tmp_path, format_name):
+    send(2)
+    path = tmp_path / f"light{LIGHT_FORMATS[format_name][0]}"
+    response = peer.call(ExportEstimate, "export", format=format_name, path=str(path))
+    assert response.success, response.message
+    assert "was seen" in response.message
+    assert path.stat().st_size > 128 * 256 * 4
+
+
 @pytest.mark.parametrize(
     ("format_name", "name", "reason"),
     [
+        ("hdr", "light.exr", ".hdr"),
         ("obj", "material.obj", "gltf"),
         ("gltf", "material.obj", ".gltf"),
         ("gltf", "", "path is empty"),

@@ -4,6 +4,7 @@
 
 import json
 
+import cv2
 import pytest
 
 from reflest_core.cli.main import main
@@ -30,3 +31,36 @@ def test_a_users_mistake_is_one_line(tmp_path, capsys):
     code = main(["export", nothing, "--format", "usd", "--out", str(tmp_path / "a.usda")])
     assert code == 2
     assert capsys.readouterr().err.startswith(f"reflest: error: cannot read {nothing}")
+
+
+def test_a_saved_scan_becomes_an_environment_that_lights_the_material(
+    estimate_file, weights, bag, tmp_path, capsys
+):
+    scan, light = tmp_path / "scan", tmp_path / "light.hdr"
+    replay = ["replay", str(bag), "--weights", str(weights), "--voxel-size", "0.01"]
+    replay += ["--roi-sphere", "0", "0", "0", "0.16"]
+    replay += ["--save-scan", str(scan), "--environment", str(light)]
+    # The weights that no training has touched are a Grouplet's.
+    assert main([*replay, "--model", "grouplet-slow"]) == 0
+    again = tmp_path / "again.hdr"
+    assert main(["export", str(scan), "--format", "hdr", "--out", str(again)]) == 0
+    assert again.read_bytes() == light.read_bytes()
+    picture = cv2.imread(str(light), cv2.IMREAD_UNCHANGED)
+    assert picture.shape == (128, 256, 3)
+    assert picture.max() > 0.0
+
+    scene = tmp_path / "scene.xml"
+    lit = ["--format", "mitsuba-stock", "--environment", str(light), "--out", str(scene)]
+    assert main(["export", str(estimate_file), *lit]) == 0
+    assert 'value="light.hdr"' in scene.read_text()
+
+
+def test_the_light_is_not_lit(tmp_path, capsys):
+    light = ["--out", str(tmp_path / "a.hdr"), "--environment", str(tmp_path / "b.hdr")]
+    assert main(["export", str(tmp_path / "scan"), "--format", "hdr", *light]) == 2
+    assert "hdr is the light itself" in capsys.readouterr().err
+
+
+def test_a_replay_refuses_a_light_of_no_format_before_it_begins(bag, tmp_path, capsys):
+    assert main(["replay", str(bag), "--environment", str(tmp_path / "light.png")]) == 2
+    assert "must end in .hdr or .exr" in capsys.readouterr().err
