@@ -12,16 +12,19 @@ import torch
 from reflest_core.features.grouplets import NODES_PER_VOXEL, draw_grouplets
 from reflest_core.features.hemisphere import hemisphere_images
 from reflest_core.features.voxel_choice import choose_voxels
-from reflest_core.models import live_grouplet, live_hemicnn
+from reflest_core.models import lightnet_shapes, live_grouplet, live_hemicnn
 from reflest_core.models.grouplet import Grouplet
 from reflest_core.models.hemicnn import HemiCNN
+from reflest_core.models.lightnet import LightNet
 from reflest_core.models.live_grouplet import LiveGrouplet, observations_by_place
 from reflest_core.models.live_hemicnn import LiveHemiCNN
 from reflest_core.models.model_choice import MODELS
 from reflest_core.models.predictor import Predictor
 from reflest_core.models.torch_network import DeviceError, TorchNetwork
 from reflest_core.models.weights import SHIPPED, load_weights, shipped_models
+from test.core.lit_surfaces import lit
 from test.core.surfaces import sphere_surface
+from test.core.weight_files import untrained_lightnet
 
 SURFACE = sphere_surface(voxels=600, views=60)
 
@@ -34,7 +37,12 @@ def random_weights(module):
 
 
 @pytest.mark.parametrize(
-    ("make", "shapes"), [(HemiCNN, live_hemicnn.SHAPES), (Grouplet, live_grouplet.SHAPES)]
+    ("make", "shapes"),
+    [
+        (HemiCNN, live_hemicnn.SHAPES),
+        (Grouplet, live_grouplet.SHAPES),
+        (LightNet, lightnet_shapes.SHAPES),
+    ],
 )
 def test_shapes_are_those_of_the_module(make, shapes):
     assert {name: tuple(t.shape) for name, t in make().state_dict().items()} == shapes
@@ -60,27 +68,37 @@ def test_grouplet_is_pytorchs(voxels, nodes):
     np.testing.assert_allclose(LiveGrouplet(tensors, 1).evaluate(drawn), expected, atol=1e-5)
 
 
-@pytest.mark.parametrize("model", shipped_models())
-def test_shipped_weights_predict_what_pytorch_predicts(model):
-    predictor = Predictor(model)
+@pytest.fixture(params=[*shipped_models(), "lightnet, untrained"])
+def weights(request, tmp_path):
+    """A model and a weight file for it."""
+    if request.param == "lightnet, untrained":
+        return "lightnet", untrained_lightnet(tmp_path)
+    return request.param, SHIPPED / MODELS[request.param].file
+
+
+def test_weights_predict_what_pytorch_predicts(weights):
+    model, path = weights
     choice = MODELS[model]
-    tensors, _, _ = load_weights(SHIPPED / choice.file)
-    voxels = choose_voxels(SURFACE, choice.voxels)
-    np.testing.assert_allclose(
-        predictor.network.scores(SURFACE, voxels).means,
-        TorchNetwork(choice.network, tensors, "cpu").scores(SURFACE, voxels).means,
-        atol=1e-5,
-    )
+    surface = lit(SURFACE, seen=0.6, lamp=True)
+    voxels = choose_voxels(surface, choice.voxels)
+    live = Predictor(model, path).network.scores(surface, voxels)
+    expected = TorchNetwork(choice.network, load_weights(path)[0], "cpu").scores(surface, voxels)
+    np.testing.assert_allclose(live.means, expected.means, atol=2e-5)
+    assert (live.log_variances is not None) == choice.sees_light
+    if choice.sees_light:
+        np.testing.assert_allclose(live.log_variances, expected.log_variances, atol=2e-5)
 
 
-@pytest.mark.parametrize("model", shipped_models())
 @pytest.mark.skipif(not torch.cuda.is_available(), reason="PyTorch finds no CUDA device here")
-def test_cuda_predicts_what_the_cpu_predicts(model):
-    cpu, cuda = Predictor(model), Predictor(model, device="cuda")
-    np.testing.assert_allclose(
-        cuda.predict(SURFACE).ward, cpu.predict(SURFACE).ward, rtol=1e-4, atol=1e-5
-    )
-    np.testing.assert_array_equal(cuda.predict(SURFACE).ward, cuda.predict(SURFACE).ward)
+def test_cuda_predicts_what_the_cpu_predicts(weights):
+    cpu, cuda = Predictor(*weights), Predictor(*weights, device="cuda")
+    surface = lit(SURFACE, seen=0.6, lamp=True)
+    expected, found, again = (one.predict(surface) for one in (cpu, cuda, cuda))
+    np.testing.assert_allclose(found.ward, expected.ward, rtol=1e-4, atol=1e-5)
+    np.testing.assert_array_equal(found.ward, again.ward)
+    if MODELS[weights[0]].sees_light:
+        np.testing.assert_allclose(found.stddev, expected.stddev, rtol=1e-4)
+        np.testing.assert_array_equal(found.stddev, again.stddev)
 
 
 @pytest.mark.skipif(torch.cuda.is_available(), reason="PyTorch finds a CUDA device here")
@@ -120,8 +138,10 @@ def test_estimating_imports_neither_pytorch_nor_what_trains():
     script = (
         "import sys\n"
         "from reflest_core.cli.replay_run import replay\n"
+        "from reflest_core.models.live_lightnet import LiveLightNet\n"
         "from reflest_core.models.predictor import Predictor\n"
-        "Predictor('grouplet-slow')\n"
+        "from reflest_core.models.weights import shipped_models\n"
+        "for model in shipped_models(): Predictor(model)\n"
         "heavy = {'torch', 'mitsuba', 'dask', 'matplotlib', 'onnxruntime'}\n"
         "print(sorted(heavy & set(sys.modules)))\n"
     )

@@ -1,0 +1,113 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""lightnet as an estimator: how sure it is, and what it says of the light it knows."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from reflest_core.brdf.deviations import labcd_stddev
+from reflest_core.estimation.estimate import EstimateStatus
+from reflest_core.estimation.estimator import Estimator
+from reflest_core.estimation.settings import EstimationSettings
+from reflest_core.features.light.surface_shading import assumed_light
+from reflest_core.fusion.light_map import LightMap
+from test.core.lit_surfaces import lit
+from test.core.surfaces import sphere_surface
+from test.core.weight_files import USUAL, untrained_lightnet
+
+SURFACE = sphere_surface(colour=lambda direction, normal: (150, 120, 100))
+FACTORS = (2.0, 3.0, 4.0, 5.0, 6.0)
+
+
+@pytest.fixture(scope="module")
+def weights(tmp_path_factory):
+    return untrained_lightnet(tmp_path_factory.mktemp("weights"))
+
+
+def estimate(surface, weights, **settings):
+    chosen = {"low_gloss": 0.0, **settings, "model": "lightnet", "weights": str(weights)}
+    return Estimator(EstimationSettings(**chosen)).estimate(surface, 0, "")
+
+
+def ward_stddev(found):
+    return np.array([*found.rho_d_stddev, found.rho_s_stddev, found.alpha_stddev])
+
+
+def test_every_value_has_a_deviation_and_all_repeats_bit_for_bit(weights):
+    surface = lit(SURFACE)
+    found, again = (estimate(surface, weights) for _ in range(2))
+    assert found.to_json() == again.to_json()
+    assert (found.status, found.status_text) == (EstimateStatus.OK, "")
+    assert found.model_id.startswith("lightnet/")
+    assert (ward_stddev(found) > 0).all()
+    ward = np.array([*found.rho_d, found.rho_s, found.alpha])
+    np.testing.assert_allclose(
+        [*found.lab_stddev, found.c_stddev, found.d_stddev],
+        labcd_stddev(ward, ward_stddev(found)),
+    )
+
+
+def test_the_cards_calibration_is_applied(weights, tmp_path):
+    surface = lit(SURFACE)
+    alike = np.eye(5)
+    alike[:3, :3] = 1.0
+    plain = estimate(surface, weights)
+    scaled = estimate(surface, untrained_lightnet(tmp_path, FACTORS, alike))
+    assert scaled.rho_d == plain.rho_d
+    np.testing.assert_allclose(ward_stddev(scaled), ward_stddev(plain) * FACTORS)
+    ward = np.array([*plain.rho_d, plain.rho_s, plain.alpha])
+    np.testing.assert_allclose(
+        scaled.lab_stddev, labcd_stddev(ward, ward_stddev(scaled), alike)[:3]
+    )
+
+
+@pytest.mark.parametrize("light", [None, LightMap().observed()])
+def test_without_any_background_it_still_answers_and_says_so(weights, light):
+    found = estimate(dataclasses.replace(SURFACE, light=light), weights)
+    assert found.status is EstimateStatus.LOW_LIGHT
+    assert found.status_text.startswith("none of the surroundings")
+    assert (ward_stddev(found) >= USUAL.stddev).all()
+    assert np.isfinite([*found.rho_d, found.rho_s, found.alpha]).all()
+
+
+def test_a_little_of_the_light_is_low_and_a_lamp_is_clipped(weights):
+    assert estimate(lit(SURFACE, seen=0.1), weights, low_light=0.3).status is (
+        EstimateStatus.LOW_LIGHT
+    )
+    lamp = estimate(lit(SURFACE, lamp=True), weights)
+    assert lamp.status is EstimateStatus.CLIPPED_LIGHT
+    assert "lower the exposure" in lamp.status_text
+
+
+def test_the_network_looks_at_the_light(weights):
+    even, half = (estimate(lit(SURFACE, seen=seen), weights) for seen in (1.0, 0.4))
+    assert even.rho_d != half.rho_d
+
+
+def test_the_light_is_turned_upright_with_the_surface(weights):
+    """Of a world that lies on its side the estimate is that of the upright one."""
+    swap = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]], np.float32)
+    surface = lit(SURFACE, seen=0.5)
+    light = LightMap()
+    directions = np.random.default_rng(0).normal(size=(60_000, 3)).astype(np.float32)
+    below = directions[directions[:, 1] < 0.0]
+    light.add(below, np.full((len(below), 3), 120, np.uint8))
+    lying = dataclasses.replace(
+        surface,
+        positions=surface.positions @ swap.T,
+        normals=surface.normals @ swap.T,
+        view_centres=surface.view_centres @ swap.T,
+        light=light.observed(),
+    )
+    upright, raised = estimate(surface, weights), estimate(lying, weights, up=(0.0, -1.0, 0.0))
+    np.testing.assert_allclose(raised.rho_d, upright.rho_d, atol=2e-3)
+    np.testing.assert_allclose(raised.rho_s_stddev, upright.rho_s_stddev, rtol=0.02)
+
+
+def test_assumed_light_makes_the_surface_of_usual_albedo():
+    light = assumed_light(SURFACE)
+    decoded = ((np.array([150, 120, 100]) / 255 + 0.055) / 1.055) ** 2.4
+    assert decoded.mean() / light.radiance[0, 0, 0] == pytest.approx(0.25, rel=1e-4)
+    assert 0.0 < light.coverage.max() < 0.01
