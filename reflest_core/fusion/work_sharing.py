@@ -26,18 +26,22 @@ def share_out(
 ) -> list[T]:
     """Run ``kernel`` over ``count`` items in at most ``threads`` parts of ``least`` or more.
 
-    Returns what the parts returned, in order; always at least one. The calling thread takes a part.
+    Returns what the parts returned, in order; always at least one. The calling thread takes a part,
+    and then those that no other thread has begun: where all processors are busy, waiting for one
+    takes longer than the work.
     """
     parts = max(1, min(threads, count // least))
     if parts == 1:
         return [kernel(0, count, *arguments)]
     bounds = [count * part // parts for part in range(parts + 1)]
     others = [
-        _pool(parts - 1).submit(kernel, start, stop, *arguments)
+        (_pool(parts - 1).submit(kernel, start, stop, *arguments), start, stop)
         for start, stop in itertools.pairwise(bounds[1:])
     ]
-    first = kernel(0, bounds[1], *arguments)
-    return [first, *(other.result() for other in others)]
+    results = [kernel(0, bounds[1], *arguments)]
+    for other, start, stop in others:
+        results.append(kernel(start, stop, *arguments) if other.cancel() else other.result())
+    return results
 
 
 @functools.cache

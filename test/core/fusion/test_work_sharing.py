@@ -9,7 +9,7 @@ import hypothesis.strategies as st
 import pytest
 from hypothesis import given
 
-from reflest_core.fusion import observation_store, tsdf, visibility
+from reflest_core.fusion import observation_store, tsdf, visibility, work_sharing
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.fusion.work_sharing import share_out
@@ -31,6 +31,15 @@ def test_parts_run_at_the_same_time():
         (True, 0),
         (True, 1),
     ]
+
+
+def test_a_part_that_no_thread_has_begun_is_done_by_the_caller():
+    can_go_on = threading.Event()
+    busy = work_sharing._pool(1).submit(can_go_on.wait, 60)
+    assert share_out(2, 4, 1, lambda start, stop: (start, stop)) == [(0, 2), (2, 4)]
+    assert not busy.done()
+    can_go_on.set()
+    assert busy.result()
 
 
 def test_a_failing_part_is_told():
