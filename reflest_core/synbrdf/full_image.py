@@ -18,6 +18,8 @@ from scipy.ndimage import binary_dilation
 from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.synbrdf.environment_lookup import radiance_from
 from reflest_core.synbrdf.mitsuba_scene import RadianceTracer, first_hits, first_normals
+from reflest_core.synbrdf.room.depth_view import room_sight
+from reflest_core.synbrdf.room.geometry import Room
 from reflest_core.synbrdf.sparse_scene import camera_rays
 
 SUBPIXELS = 2
@@ -30,13 +32,15 @@ class FullImage:
 
     ``depth``: (H, W) float32, Z along the optical axis in metres, 0 where the environment is seen.
     ``normals``: (H, W, 3) float32, unit, world frame, as shaded; 0 where depth is 0. ``cosines``:
-    (H, W) float32, between the normal and the direction to the camera.
+    (H, W) float32, between the normal and the direction to the camera. ``is_object``: (H, W) bool.
+    In a room depth and normals are those of its walls, too, as far as a depth camera measures them.
     """
 
     radiance: NDArray[np.float32]
     depth: NDArray[np.float32]
     normals: NDArray[np.float32]
     cosines: NDArray[np.float32]
+    is_object: NDArray[np.bool_]
 
 
 class FullImageRenderer:
@@ -53,10 +57,12 @@ class FullImageRenderer:
         environment: NDArray[np.float32],
         pose: NDArray[np.float64],
         seed: int,
+        room: Room | None = None,
     ) -> FullImage:
-        """Return the image of a Mitsuba scene that stands in ``environment``.
+        """Return the image of a Mitsuba scene that stands in ``environment``, or in a ``room``.
 
-        What is traced (the object and its outline) is denoised; the environment has no noise.
+        What is traced (the object and its outline; all of a room) is denoised; the environment has
+        no noise.
         """
         shape = (self.camera.height, self.camera.width)
         origins, directions = camera_rays(self.camera, pose[None])
@@ -67,6 +73,11 @@ class FullImageRenderer:
         radiance = radiance_from(environment, directions)
         # A pixel beside the object's outline may be partly covered by it.
         near = binary_dilation(hit.reshape(shape), np.ones((3, 3), bool)).reshape(-1)
+        if room is not None:
+            axes = np.broadcast_to(pose[:3, 2], directions.shape)
+            sight = room_sight(rendered, room, origins, directions, axes)
+            depth, hit = sight.depth, sight.is_object
+            near = np.ones(len(directions), bool)
         radiance[near] = self._traced(rendered, pose, near, seed)
         image = radiance.reshape(*shape, 3)
         denoised = _denoised(image)
@@ -77,6 +88,7 @@ class FullImageRenderer:
             depth.reshape(shape).astype(np.float32),
             normals.reshape(*shape, 3),
             cosines.reshape(shape),
+            hit.reshape(shape),
         )
 
     def _traced(

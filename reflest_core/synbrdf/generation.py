@@ -17,7 +17,7 @@ from reflest_core.synbrdf.metering import Metering
 from reflest_core.synbrdf.mitsuba_runtime import missing_package
 from reflest_core.synbrdf.realism.settings import Realism
 from reflest_core.synbrdf.scene import Lighting, Scene, draw_scene
-from reflest_core.synbrdf.scene_file import FORMAT
+from reflest_core.synbrdf.scene_file import FORMAT, NEAR_FORMAT
 from reflest_core.synbrdf.shapes.mesh_file import MeshSource, find_meshes
 from reflest_core.synbrdf.source_fingerprint import source_fingerprint
 from reflest_core.synbrdf.splits import Sources, Split, sources_of
@@ -83,7 +83,7 @@ class Generation:
     def manifest(self) -> dict[str, Any]:
         """What a resumed run must agree with."""
         return {
-            "format": FORMAT,
+            "format": NEAR_FORMAT if self.lighting is Lighting.NEAR else FORMAT,
             "seed": self.seed,
             "scenes": self.scenes,
             "points": self.points,

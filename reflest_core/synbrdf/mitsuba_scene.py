@@ -19,6 +19,8 @@ import drjit as dr  # noqa: E402  (Mitsuba's loader must choose the LLVM first)
 
 PATH_DEPTH = 4
 """Mitsuba's ``max_depth`` of what the networks see."""
+OBJECT = "object"
+"""The object's name among a scene's shapes."""
 ENVIRONMENT_TURNS = (("z", 90.0), ("x", 90.0))
 """Axes and degrees, multiplied in this order: Mitsuba's maps have y up and azimuth measured from
 -z; ours have z up and u = 1/2 at +x."""
@@ -31,7 +33,7 @@ def mitsuba_scene(mesh: TriangleMesh, bsdf: WardBSDF, radiance: NDArray[np.float
         to_world = to_world.rotate([float(axis == name) for name in "xyz"], degrees)
     environment = {"type": "envmap", "bitmap": mi.Bitmap(radiance), "to_world": to_world}
     shape = mitsuba_mesh(mesh, bsdf)
-    return mi.load_dict({"type": "scene", "object": shape, "environment": environment})
+    return mi.load_dict({"type": "scene", OBJECT: shape, "environment": environment})
 
 
 def mitsuba_mesh(mesh: TriangleMesh, bsdf: WardBSDF) -> Any:
@@ -39,7 +41,7 @@ def mitsuba_mesh(mesh: TriangleMesh, bsdf: WardBSDF) -> Any:
     properties = mi.Properties()
     properties["mesh_bsdf"] = bsdf
     shape = mi.Mesh(
-        "object", len(mesh.vertices), len(mesh.faces), has_vertex_normals=True, props=properties
+        OBJECT, len(mesh.vertices), len(mesh.faces), has_vertex_normals=True, props=properties
     )
     parameters = mi.traverse(shape)
     parameters["vertex_positions"] = mi.Float(mesh.vertices.astype(np.float32).reshape(-1))
@@ -117,6 +119,20 @@ def first_hits(
     hit = scene.ray_intersect_preliminary(ray)
     distance = np.array(hit.t, dtype=np.float32)
     return np.where(np.array(hit.is_valid()), distance, np.float32(math.inf))
+
+
+def first_shapes(
+    scene: Any, origins: NDArray[np.float32], directions: NDArray[np.float32]
+) -> NDArray[np.str_]:
+    """Name (R,) of the first shape along each ray; empty where there is none."""
+    ray = mi.Ray3f(
+        mi.Point3f(np.ascontiguousarray(origins.T)), mi.Vector3f(np.ascontiguousarray(directions.T))
+    )
+    hit = scene.ray_intersect_preliminary(ray)
+    names = np.full(len(origins), "", dtype="U16")
+    for shape in scene.shapes():
+        names[np.array(hit.shape == mi.ShapePtr(shape)) & np.array(hit.is_valid())] = shape.id()
+    return names
 
 
 def first_normals(

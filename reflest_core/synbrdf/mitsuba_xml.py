@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.camera import CameraIntrinsics
+from reflest_core.errors import ReflestError
 from reflest_core.synbrdf.image_files import write_exr
 from reflest_core.synbrdf.mitsuba_scene import ENVIRONMENT_TURNS, PATH_DEPTH, mitsuba_mesh
 from reflest_core.synbrdf.scene import Scene
@@ -29,10 +30,23 @@ OPTICAL_TO_MITSUBA = np.diag([-1.0, -1.0, 1.0, 1.0])
 """Mitsuba's cameras look along z with x to the left and y up."""
 
 
+class RoomNotWritten(ReflestError):
+    """A scene stands in a room, which these files do not hold."""
+
+
 def write_scene(
     folder: Path, scene: Scene, camera: CameraIntrinsics, views: list[int], samples: int
 ) -> None:
-    """Write ``folder`` whole: the XML with one sensor a view, the mesh, the environment."""
+    """Write ``folder`` whole: the XML with one sensor a view, the mesh, the environment.
+
+    Raises:
+        RoomNotWritten: if the scene stands in a room.
+    """
+    if scene.room is not None:
+        raise RoomNotWritten(
+            f"{folder.name} stands in a room, which Mitsuba files do not hold yet: use --lighting "
+            "natural or diverse, or 'reflest synbrdf images'"
+        )
     with whole_folder(folder) as unfinished:
         unfinished.mkdir()
         mesh = mitsuba_mesh(scene.mesh, ward_bsdf(scene.material))

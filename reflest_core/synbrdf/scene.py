@@ -15,6 +15,8 @@ from reflest_core.brdf.parameters import WardParameters
 from reflest_core.synbrdf.environments import load_environment, rotated
 from reflest_core.synbrdf.light_diversity import draw_diverse_light
 from reflest_core.synbrdf.materials import draw_material
+from reflest_core.synbrdf.room.draw import draw_room
+from reflest_core.synbrdf.room.geometry import Room
 from reflest_core.synbrdf.seeding import Purpose, generator
 from reflest_core.synbrdf.shapes.mesh import TriangleMesh
 from reflest_core.synbrdf.shapes.mesh_file import load_mesh
@@ -28,6 +30,8 @@ BLEND_SHARE = 0.3
 """Of the training scenes stand in a blend of two environments."""
 TINT_STDDEV = 0.12
 """Of the logarithm of each channel's tint in training scenes."""
+ROOM = "room"
+"""Names the light of a room; what its windows show follows after a "+"."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +45,11 @@ class Light:
 
 @dataclass(frozen=True)
 class Scene:
-    """One object of one material under one light, and the cameras that look at it."""
+    """One object of one material under one light, and the cameras that look at it.
+
+    ``room``: what stands about the object, and ``light`` outside its windows; None where the light
+    is infinitely far on all sides.
+    """
 
     split: Split
     index: int
@@ -51,15 +59,18 @@ class Scene:
     light: Light
     poses: NDArray[np.float64]
     view_pattern: str
+    room: Room | None = None
 
 
 class Lighting(enum.Enum):
-    """Where training scenes take their light from; validation and unseen stay natural."""
+    """Where scenes take their light from; with diverse light validation and unseen stay natural."""
 
     NATURAL = "natural"
     """An environment or a blend of two, slightly tinted."""
     DIVERSE = "diverse"
     """As :mod:`.light_diversity` draws it: mixtures, rooms, skies, lamps."""
+    NEAR = "near"
+    """In rooms (:mod:`.room.draw`) a few metres across; in all splits."""
 
 
 def draw_scene(
@@ -72,8 +83,9 @@ def draw_scene(
 ) -> Scene:
     """Scene ``index`` of ``split``; the same arguments give the same scene."""
     is_diverse = lighting is Lighting.DIVERSE and split is Split.TRAIN
+    is_near = lighting is Lighting.NEAR
     purpose = Purpose.DRAW_DIVERSE if is_diverse else Purpose.DRAW
-    rng = generator(seed, split, index, purpose)
+    rng = generator(seed, split, index, Purpose.DRAW_NEAR if is_near else purpose)
     material = draw_material(rng)
     mesh, shape = _draw_shape(rng, sources)
     if is_diverse:
@@ -82,7 +94,11 @@ def draw_scene(
     else:
         light = _draw_light(rng, sources, vary=split is Split.TRAIN)
     poses, pattern = draw_views(rng, views, mesh.diameter)
-    return Scene(split, index, material, shape, mesh, light, poses, pattern.value)
+    room = draw_room(rng, mesh, poses, light.radiance) if is_near else None
+    if room is not None:
+        name = f"{ROOM}+{light.name}" if room.windows else ROOM
+        light = dataclasses.replace(light, name=name)
+    return Scene(split, index, material, shape, mesh, light, poses, pattern.value, room)
 
 
 def _draw_shape(rng: np.random.Generator, sources: Sources) -> tuple[TriangleMesh, str]:

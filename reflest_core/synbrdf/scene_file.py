@@ -23,6 +23,8 @@ from reflest_core.fusion.observed_surface import SURFACE_ARRAYS, ObservedSurface
 from reflest_core.synbrdf.thumbnails import Thumbnails
 
 FORMAT = "synbrdf-sparse-2"
+NEAR_FORMAT = "synbrdf-sparse-3"
+"""The same, and the depth of every thumbnail: of scenes in rooms."""
 MANIFEST = "manifest.json"
 
 
@@ -68,8 +70,14 @@ def shard_bytes(scenes: list[SynbrdfScene]) -> bytes:
         arrays[f"{number:03d}/rgbe"] = thumbnails.rgbe
         arrays[f"{number:03d}/is_object"] = np.packbits(thumbnails.is_object, axis=-1)
         arrays[f"{number:03d}/T_world_camera"] = thumbnails.T_world_camera
+        if thumbnails.depth is not None:
+            arrays[f"{number:03d}/depth"] = thumbnails.depth
         cards.append(_card(scene))
-    metadata = {"format": FORMAT, "scenes": json.dumps(cards, sort_keys=True)}
+    is_near = any(scene.thumbnails.depth is not None for scene in scenes)
+    metadata = {
+        "format": NEAR_FORMAT if is_near else FORMAT,
+        "scenes": json.dumps(cards, sort_keys=True),
+    }
     return _with_sorted_header(save(arrays, metadata))
 
 
@@ -100,8 +108,10 @@ def load_shard(path: Path) -> list[SynbrdfScene]:
     try:
         with safe_open(path, framework="numpy") as file:
             metadata = file.metadata() or {}
-            if metadata.get("format") != FORMAT:
-                raise SceneFileError(f"{path} is not a {FORMAT} shard; generate the data again")
+            if metadata.get("format") not in (FORMAT, NEAR_FORMAT):
+                raise SceneFileError(
+                    f"{path} is not a {FORMAT} or {NEAR_FORMAT} shard; generate the data again"
+                )
             cards = json.loads(metadata["scenes"])
             return [_scene(file, number, card) for number, card in enumerate(cards)]
     except (SafetensorError, OSError) as error:
@@ -145,11 +155,13 @@ def _scene(file: Any, number: int, card: dict[str, Any]) -> SynbrdfScene:
         file.get_tensor(f"{number:03d}/{name}")
         for name in ("rgbe", "is_object", "T_world_camera", "radiance")
     )
+    depth_name = f"{number:03d}/depth"
+    depth = file.get_tensor(depth_name) if depth_name in file.keys() else None  # noqa: SIM118
     is_object = np.unpackbits(object_bits, axis=-1, count=images.shape[2]).astype(np.bool_)
     return SynbrdfScene(
         surface=ObservedSurface(**arrays),
         truth=ward,
         radiance=radiance,
-        thumbnails=Thumbnails(images, is_object, poses),
+        thumbnails=Thumbnails(images, is_object, poses, depth),
         **card,
     )

@@ -94,7 +94,7 @@ class SceneImages:
         entropy = [self.generation.seed, scene.split.number, scene.index, view]
         seed = int(np.random.SeedSequence(entropy).generate_state(1)[0] >> 1)
         return self.renderer.render(
-            overview.rendered, scene.light.radiance, scene.poses[view], seed
+            overview.rendered, scene.light.radiance, scene.poses[view], seed, scene.room
         )
 
     def faults(
@@ -123,7 +123,7 @@ class SceneImages:
         stem = folder / f"frame-{view:06d}"
         write_exr(_named(stem, ".hdr.exr"), image.radiance)
         write_exr(_named(stem, ".normal.exr"), image.normals)
-        write_mask(_named(stem, ".mask.png"), image.depth > 0.0)
+        write_mask(_named(stem, ".mask.png"), image.is_object)
         if faults is None:
             write_rgb(_named(stem, ".color.png"), expose(image.radiance, overview.exposure))
             depth, pose = image.depth, scene.poses[view]

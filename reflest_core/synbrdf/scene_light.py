@@ -7,26 +7,44 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf import rgbe
 from reflest_core.fusion.light_map import LightMap, ObservedLight
 from reflest_core.synbrdf.exposure import expose
 from reflest_core.synbrdf.scene_file import SynbrdfScene
-from reflest_core.synbrdf.thumbnails import THUMBNAIL
+from reflest_core.synbrdf.thumbnails import THUMBNAIL, Thumbnails
 
 
 def scene_light(scene: SynbrdfScene, views: NDArray[np.int64]) -> ObservedLight:
-    """The environment as the background of ``views`` shows it, through 8-bit images."""
+    """The environment as the background of ``views`` shows it, through 8-bit images.
+
+    As :func:`.background_pixels` does live, background with depth is placed where the middle of the
+    surface sees it, and what has none is taken to be infinitely far.
+    """
     thumbnails = scene.thumbnails.of_views(views)
-    images = expose(thumbnails.radiance(), scene.exposure)
-    rotations = thumbnails.T_world_camera[:, None, :3, :3]
-    directions = _pixel_rays() @ rotations.swapaxes(-1, -2)
     is_background = ~thumbnails.is_object
+    colours = expose(rgbe.decode(thumbnails.rgbe[is_background]), scene.exposure)
+    directions = background_directions(thumbnails, scene.surface.positions.mean(axis=0))
     light = LightMap()
-    light.add(directions[is_background], images[is_background])
+    light.add(directions[is_background], colours)
     return light.observed()
 
 
+def background_directions(
+    thumbnails: Thumbnails, object_centre: NDArray[np.floating]
+) -> NDArray[np.float32]:
+    """Directions (W, 36, 48, 3), of any length, from ``object_centre`` (3,) to what is seen."""
+    poses = thumbnails.T_world_camera[:, None]
+    towards = _pixel_rays() @ thumbnails.T_world_camera[:, :3, :3].swapaxes(-1, -2)
+    towards = towards.reshape(*thumbnails.is_object.shape, 3)
+    if thumbnails.depth is None:
+        return np.asarray(towards, np.float32)
+    depth = (thumbnails.depth / 1000.0)[..., None]
+    from_centre = depth * towards + poses[:, :, None, :3, 3] - object_centre
+    return np.where(depth > 0.0, from_centre, towards).astype(np.float32)
+
+
 def _pixel_rays() -> NDArray[np.float32]:
-    """Directions (36, 48, 3) through the pixels' centres, camera frame."""
+    """Directions (36 * 48, 3) through the pixels' centres, row by row, camera frame."""
     u, v = np.meshgrid(np.arange(THUMBNAIL.width), np.arange(THUMBNAIL.height))
     x, y = (u - THUMBNAIL.cx) / THUMBNAIL.fx, (v - THUMBNAIL.cy) / THUMBNAIL.fy
-    return np.stack([x, y, np.ones(u.shape)], axis=-1).astype(np.float32)
+    return np.stack([x, y, np.ones(u.shape)], axis=-1).astype(np.float32).reshape(-1, 3)

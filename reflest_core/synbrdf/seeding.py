@@ -21,6 +21,8 @@ class Purpose(enum.Enum):
     """The same of training scenes under diverse light, so that they are other scenes."""
     TRACE = 1
     """Surface points and light paths."""
+    DRAW_NEAR = 4
+    """The same of scenes in rooms."""
     REALISM = 3
     """Faults of a real capture."""
 

@@ -19,6 +19,8 @@ from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.synbrdf.exposure import auto_exposure, expose
 from reflest_core.synbrdf.mitsuba_scene import RadianceTracer, first_hits, mitsuba_scene
+from reflest_core.synbrdf.room.depth_view import room_sight
+from reflest_core.synbrdf.room.room_scene import RoomBuilder
 from reflest_core.synbrdf.scene import Scene
 from reflest_core.synbrdf.scene_file import SynbrdfScene
 from reflest_core.synbrdf.seeding import Purpose, generator
@@ -63,6 +65,7 @@ class SparseRenderer:
         self.settings = settings
         self.tracer = RadianceTracer(settings.samples, lanes=1 << 20)
         self.thumbnails = RadianceTracer(settings.thumbnail_samples, lanes=3 << 18, depth=3)
+        self.rooms = RoomBuilder()
         self.bsdf = ward_bsdf(WardParameters((0.5, 0.5, 0.5), 0.1, 0.1))
 
     def render(self, scene: Scene, seed: int) -> SynbrdfScene:
@@ -105,9 +108,16 @@ class SparseRenderer:
 
     def _overview(self, scene: Scene, trace_seed: int) -> Overview:
         self.bsdf.set_parameters(scene.material)
-        rendered = mitsuba_scene(scene.mesh, self.bsdf, scene.light.radiance)
+        if scene.room is None:
+            rendered = mitsuba_scene(scene.mesh, self.bsdf, scene.light.radiance)
+        else:
+            rendered = self.rooms.scene(scene.mesh, self.bsdf, scene.room, trace_seed + 2)
         origins, directions = camera_rays(THUMBNAIL, scene.poses)
-        hits = np.isfinite(first_hits(rendered, origins, directions))
+        depth, hits = None, np.isfinite(first_hits(rendered, origins, directions))
+        if scene.room is not None:
+            forward = np.repeat(scene.poses[:, :3, 2], THUMBNAIL.height * THUMBNAIL.width, axis=0)
+            sight = room_sight(rendered, scene.room, origins, directions, forward)
+            depth, hits = sight.millimetres, sight.is_object
         traced = self.thumbnails.trace(rendered, origins, directions, trace_seed + 1)
         images = traced.reshape(len(scene.poses), -1, 3)
         is_object = hits.reshape(len(scene.poses), -1)
@@ -118,6 +128,7 @@ class SparseRenderer:
             rgbe=rgbe.encode(images.reshape(*shape, 3)),
             is_object=is_object.reshape(shape),
             T_world_camera=scene.poses.astype(np.float32),
+            depth=None if depth is None else depth.reshape(shape),
         )
         return Overview(rendered, exposure, thumbnails, foreground, background)
 

@@ -25,7 +25,10 @@ def add_set_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--meshes", type=Path, help=".obj, .ply or .npz; default: procedural only")
     parser.add_argument(
-        "--lighting", choices=("natural", "diverse"), default="natural", help="of training scenes"
+        "--lighting",
+        choices=("natural", "diverse", "near"),
+        default="natural",
+        help="of training scenes; near: all scenes stand in rooms",
     )
     parser.add_argument(
         "--without", nargs="*", default=[], metavar="NAME", help="environments to leave out"

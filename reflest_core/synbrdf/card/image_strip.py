@@ -46,7 +46,7 @@ def _row(images: SceneImages, split: Split, index: int, view: int) -> NDArray[np
         expose(image.radiance, overview.exposure * DARKER),
         _grey(image.depth, reach),
         np.rint(127.5 * (image.normals + 1.0)).astype(np.uint8),
-        np.where(image.depth[..., None] > 0.0, np.uint8(255), np.zeros(3, np.uint8)),
+        np.where(image.is_object[..., None], np.uint8(255), np.zeros(3, np.uint8)),
         faults.image(image.radiance, overview.exposure, view, noise[view]),
         _grey(measured, reach),
     ]

@@ -43,5 +43,5 @@ def rendered_images(
         scene = generation.scene(Split.TRAIN, index)
         overview = renderer.overview(scene)
         image = renderer.render(scene, overview, generation.views // 10)
-        images.append((expose(image.radiance, overview.exposure), image.depth > 0.0))
+        images.append((expose(image.radiance, overview.exposure), image.is_object))
     return images
