@@ -9,7 +9,7 @@ import sys
 from rclpy.experimental import EventsExecutor
 
 from reflest_core.errors import ReflestError
-from reflest_ros.process import ignore_signals, ros_process
+from reflest_ros.process import avoid_pauses, ignore_signals, ros_process
 from reflest_ros.spinning import Spinning
 
 
@@ -31,6 +31,7 @@ def _run_node() -> int:
 
     node = EstimatorNode()
     node.bring_up()
+    avoid_pauses()
     executor = EventsExecutor()
     executor.add_node(node)
     spinning = Spinning(executor, "executor", node.crash)
