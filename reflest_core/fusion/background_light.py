@@ -21,12 +21,15 @@ def background_pixels(
     foreground: NDArray[np.bool_],
     depth: NDArray[np.float32],
     object_centre: NDArray[np.floating],
+    object_radius: float = 0.0,
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
     """Directions (P, 3) and colours (P, 3) uint8 of a grid of background pixels.
 
     A pixel with ``depth`` (H, W; 0 where unknown) is a point in the room and lies in the direction
     in which the object sees it, from ``object_centre`` (3,), world frame, metres; one without is
-    taken to be far away. ``foreground``: (H, W) bool. Directions: world frame, any length.
+    taken to be far away. Points nearer to the centre than ``object_radius`` (metres) are left out:
+    they are the object's own, or touch it, and each of its sides sees them elsewhere.
+    ``foreground``: (H, W) bool. Directions: world frame, any length.
     """
     camera = frame.intrinsics
     step = max(camera.width // ACROSS, 1)
@@ -34,7 +37,7 @@ def background_pixels(
         kernel_array(frame.rgb, np.uint8), kernel_array(foreground, np.bool_),
         kernel_array(depth, np.float32), kernel_array(frame.T_world_camera, np.float64),
         camera.fx, camera.fy, camera.cx, camera.cy,
-        np.asarray(object_centre, np.float64), step,
+        np.asarray(object_centre, np.float64), float(object_radius), step,
     )  # fmt: skip
 
 
@@ -49,6 +52,7 @@ def _gather(
     cx: float,
     cy: float,
     centre: NDArray[np.float64],
+    radius: float,
     step: int,
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
     height, width = foreground.shape
@@ -68,7 +72,10 @@ def _gather(
                 offset = 0.0 if is_far else T[axis, 3] - centre[axis]
                 directions[count, axis] = turned + offset
                 colours[count, axis] = rgb[v, u, axis]
-            if (directions[count] != 0.0).any():
+            squared = 0.0
+            for axis in range(3):
+                squared += directions[count, axis] ** 2
+            if squared > (0.0 if is_far else radius**2):
                 count += 1
     return directions[:count], colours[:count]
 

@@ -4,31 +4,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.brdf import srgb
+from reflest_core.fusion.exposure_gain import LINEAR, exposure_gain
 from reflest_core.fusion.octahedral import octahedral_solid_angles, octahedral_texel
 from reflest_core.jit import compiled, kernel_array
 
 SIZE = 96
 """Texels along an edge of the octahedral map: 2.1 degrees each, in the mean."""
-BYTES_OF_LIGHT = SIZE * SIZE * 5 * 4
+BYTES_OF_LIGHT = SIZE * SIZE * 6 * 4
 LONGEST_MEMORY = 4096.0
 """Pixels of a texel after which its sums are halved, so that light that changes is followed."""
 
-_LINEAR = np.asarray(srgb.decode(np.arange(256) / 255.0), np.float32)
+BRIGHTER = np.float32(1.1)
+"""A frame whose white is so much brighter than another's knows more of what that one clipped."""
 
 
 @dataclass(frozen=True)
 class ObservedLight:
     """What was seen of the environment, as an octahedral map (:mod:`.octahedral`), world frame.
 
-    ``radiance``: (N, N, 3) float32, mean linear sRGB, 1 at the sensor's white; 0 where unseen.
-    ``coverage``: (N, N) float32, 1 where seen. ``clipped``: (N, N) float32, share of what was seen
-    there with a channel at 255: a lower bound of the radiance, not a value.
+    ``radiance``: (N, N, 3) float32, mean linear sRGB, 1 at the sensor's white in the first frame,
+    so that it passes 1 where a later frame was exposed less; 0 where unseen. ``coverage``: (N, N)
+    float32, 1 where seen. ``clipped``: (N, N) float32, share of what was seen there with a channel
+    at 255, and never unclipped in a darker frame: a lower bound of the radiance, not a value.
     """
 
     radiance: NDArray[np.float32]
@@ -46,7 +48,9 @@ class ObservedLight:
 class LightMap:
     """Sums over background pixels; bounded in size, whatever the length of the scan.
 
-    ``radiance_sum``: (N, N, 3), ``count`` and ``clipped_count``: (N, N), float32.
+    ``radiance_sum``: (N, N, 3), ``count`` and ``clipped_count``: (N, N), float32. ``white``:
+    (N, N) float32, the radiance at which what is summed was clipped or would have been; 0 where
+    unseen. ``gain``: of the last frame, see :meth:`add_frame`.
     """
 
     radiance_sum: NDArray[np.float32] = field(
@@ -56,21 +60,36 @@ class LightMap:
     clipped_count: NDArray[np.float32] = field(
         default_factory=lambda: np.zeros((SIZE, SIZE), np.float32)
     )
+    white: NDArray[np.float32] = field(default_factory=lambda: np.zeros((SIZE, SIZE), np.float32))
+    gain: float = 1.0
 
-    def add(self, directions: NDArray[np.float32], colours: NDArray[np.uint8]) -> None:
+    def add_frame(self, directions: NDArray[np.float32], colours: NDArray[np.uint8]) -> float:
+        """Add the pixels of one frame, as :meth:`add` does, at the exposure that it seems to have.
+
+        Returns its gain: what its linear colours are multiplied by to be in the map's units.
+        """
+        known = (self.radiance_sum, self.count, self.clipped_count)
+        self.gain = exposure_gain(known, directions, colours, self.gain)
+        self.add(directions, colours, self.gain)
+        return self.gain
+
+    def add(
+        self, directions: NDArray[np.float32], colours: NDArray[np.uint8], gain: float = 1.0
+    ) -> None:
         """Add pixels: ``directions`` (P, 3) towards the background, world frame, of any length.
 
-        ``colours``: (P, 3) 8-bit sRGB.
+        ``colours``: (P, 3) 8-bit sRGB. ``gain`` multiplies their linear light. Where frames
+        disagree on what is clipped, the one with the brightest white is believed.
         """
         _accumulate(
-            kernel_array(directions, np.float32), kernel_array(colours, np.uint8), _LINEAR,
-            self.radiance_sum, self.count, self.clipped_count,
+            kernel_array(directions, np.float32), kernel_array(colours, np.uint8), LINEAR,
+            np.float32(gain), self.radiance_sum, self.count, self.clipped_count, self.white,
         )  # fmt: skip
 
     @property
     def arrays(self) -> dict[str, NDArray[np.float32]]:
         """The sums by name, for saving and restoring."""
-        return dict(vars(self))
+        return {name: getattr(self, name) for name in ARRAYS}
 
     @property
     def nbytes(self) -> int:
@@ -87,25 +106,45 @@ class LightMap:
         )
 
 
+ARRAYS = tuple(one.name for one in fields(LightMap) if one.name != "gain")
+
+
 @compiled
 def _accumulate(
     directions: NDArray[np.float32],
     colours: NDArray[np.uint8],
     linear: NDArray[np.float32],
+    gain: np.float32,
     radiance_sum: NDArray[np.float32],
     count: NDArray[np.float32],
     clipped_count: NDArray[np.float32],
+    white: NDArray[np.float32],
 ) -> None:
     size = len(count)
+    rows, columns = np.empty(len(directions), np.int32), np.empty(len(directions), np.int32)
+    clips_here = np.zeros((size, size), np.bool_)
     for pixel in range(len(directions)):
         row, column = octahedral_texel(
             directions[pixel, 0], directions[pixel, 1], directions[pixel, 2], size
         )
+        rows[pixel], columns[pixel] = row, column
+        if (colours[pixel] == 255).any():
+            clips_here[row, column] = True
+        if gain > white[row, column] * BRIGHTER:
+            # What was clipped is begun anew: beside it lies the dark part alone of the texel.
+            if clipped_count[row, column] > 0.0:
+                count[row, column] = clipped_count[row, column] = 0.0
+                radiance_sum[row, column] = 0.0
+            white[row, column] = gain
+    for pixel in range(len(directions)):
+        row, column = rows[pixel], columns[pixel]
+        if clips_here[row, column] and gain * BRIGHTER < white[row, column]:
+            continue
         count[row, column] += 1.0
         is_clipped = False
         for channel in range(3):
             value = colours[pixel, channel]
-            radiance_sum[row, column, channel] += linear[value]
+            radiance_sum[row, column, channel] += linear[value] * gain
             is_clipped |= value == 255
         if is_clipped:
             clipped_count[row, column] += 1.0

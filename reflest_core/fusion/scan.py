@@ -15,6 +15,7 @@ from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.errors import ReflestError
 from reflest_core.fusion.background_light import background_pixels
 from reflest_core.fusion.colour_statistics import foreground_background_means
+from reflest_core.fusion.exposure_gain import is_same_exposure
 from reflest_core.fusion.foreground import FramePixels, classify_pixels
 from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.light_map import LightMap
@@ -136,7 +137,10 @@ class Scan:
         # The light: the background's colours, in the directions in which the object sees them.
         if len(surface.positions):
             centre = surface.positions.mean(axis=0, dtype=np.float64)
-            self.light.add(*background_pixels(whole, is_foreground, whole.depth, centre))
+            radius = float(np.sqrt(surface.positions.var(axis=0, dtype=np.float64).sum()))
+            self.light.add_frame(
+                *background_pixels(whole, is_foreground, whole.depth, centre, radius)
+            )
 
         # The observations: a row for each voxel that this view truly sees, then its colour.
         seen, colours = visible_voxels(
@@ -155,7 +159,11 @@ class Scan:
                 self.fusion.view_spacing,
             )  # fmt: skip
             unseen = self.store.unseen_from(rows, near, threads)
-            is_new_view = len(near) == 0 or bool(unseen.mean() > NEW_SURFACE_SHARE)
+            is_new_view = (
+                len(near) == 0
+                or bool(unseen.mean() > NEW_SURFACE_SHARE)
+                or not is_same_exposure(self.light.gain, float(self.views.gains[near[0]]))
+            )
             view = self._add_view(frame, foreground, background) if is_new_view else int(near[0])
             self.views.frames[view] += 1
             kept = self.store.observe(rows[unseen], colours[unseen], view, self.views.centres)
@@ -178,6 +186,7 @@ class Scan:
             "last_stamp_ns": self.last_stamp_ns,
             "frame_id": self.frame_id,
             "world_frame_id": self.world_frame_id,
+            "exposure_gain": self.light.gain,
         }
         arrays = {
             f"{part}_{name}": array[: stage.count]
@@ -208,6 +217,7 @@ class Scan:
                 for part, stage in scan._stages()
             }
             restore_rows("light_", scan.light.arrays, arrays)
+            scan.light.gain = float(header["exposure_gain"])
             scan.views.count = counts["views"]
             scan.volume.restore(counts["volume"])
             scan.store.restore(counts["store"], counts["chunks"], counts["views"])
@@ -292,7 +302,9 @@ class Scan:
             oldest = self.views.oldest()
             self.store.drop_views(oldest)
             self.views.forget(oldest)
-        return self.views.put(frame.camera_centre, foreground, background, frame.stamp_ns)
+        return self.views.put(
+            frame.camera_centre, foreground, background, frame.stamp_ns, self.light.gain
+        )
 
 
 def _has_depth(frame: Frame) -> bool:

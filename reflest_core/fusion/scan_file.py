@@ -15,11 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.errors import ReflestError
+from reflest_core.fusion.scan_upgrade import Arrays, upgraded
 
 FORMAT = "reflest-scan"
-VERSION = 2
-
-Arrays = dict[str, NDArray[Any]]
+VERSION = 3
+OLDER = (2,)
+"""Versions that :mod:`.scan_upgrade` makes into the newest."""
 
 
 class ScanFileError(ReflestError):
@@ -52,12 +53,13 @@ def read_scan(path: Path) -> tuple[dict[str, Any], Arrays]:
             if header["format"] != FORMAT:
                 raise KeyError("format")
             version = header["version"]
-            if version != VERSION:
+            if version not in (VERSION, *OLDER):
                 raise ScanFileError(
                     f"{path} is a scan file of version {version}, but this reflest reads version "
-                    f"{VERSION}: scan again or use the reflest that wrote it"
+                    f"{VERSION} and older: scan again or use the reflest that wrote it"
                 )
-            return header, {name: file[name] for name in file.files if name != "header"}
+            arrays = {name: file[name] for name in file.files if name != "header"}
+            return upgraded(header, arrays)
     except FileNotFoundError:
         raise ScanFileError(f"there is no scan file {path}: check the path") from None
     except (OSError, EOFError, zipfile.BadZipFile, ValueError, KeyError, TypeError, AttributeError):

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from reflest_core.fusion.exposure_correction import at_one_exposure, means_at_one_exposure
 from reflest_core.fusion.observation_store import ObservationStore
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.thinning import thinned
@@ -16,19 +17,23 @@ MOST_VOXELS = 10_000
 
 
 def observed_surface(store: ObservationStore, views: ViewTable) -> ObservedSurface:
-    """Copy :data:`MOST_VOXELS` voxels with observations at most; view indices are view ids."""
+    """Copy :data:`MOST_VOXELS` voxels with observations at most; view indices are view ids.
+
+    Where the camera's exposure changed, colours are those of the common one.
+    """
     rows = store.rows
     selected = thinned(rows.counts[: store.count], MOST_VOXELS)
     offsets = np.zeros(len(selected) + 1, np.int64)
     np.cumsum(rows.counts[selected], out=offsets[1:], dtype=np.int64)
     colours, view_ids = store.observations(selected)
+    gains = views.gains[: views.count]
     return ObservedSurface(
         positions=rows.positions[selected],
         normals=rows.normals[selected],
         offsets=offsets,
-        colours=colours,
+        colours=at_one_exposure(colours, gains, view_ids),
         view_indices=view_ids,
         view_centres=views.centres[: views.count].copy(),
-        view_foreground=views.foreground[: views.count].copy(),
-        view_background=views.background[: views.count].copy(),
+        view_foreground=means_at_one_exposure(views.foreground[: views.count], gains),
+        view_background=means_at_one_exposure(views.background[: views.count], gains),
     )

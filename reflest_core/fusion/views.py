@@ -19,7 +19,7 @@ FORGOTTEN_SHARE = 8
 
 _FREE = -1
 
-BYTES_PER_VIEW = 3 * 12 + 8 + 8 + 4
+BYTES_PER_VIEW = 3 * 12 + 8 + 8 + 4 + 4
 
 
 class ViewTable:
@@ -28,7 +28,8 @@ class ViewTable:
     ``centres``: (W, 3) float32, camera centres in the world frame, metres. ``foreground``,
     ``background``: (W, 3) float32, F and B, mean 8-bit colour, NaN where unknown. ``stamps``: (W,)
     int64, nanoseconds. ``order``: (W,) int64, rising in the order of storing; -1 where no view is
-    any more. ``frames``: (W,) int32, frames fused of which it was the nearest view.
+    any more. ``frames``: (W,) int32, frames fused of which it was the nearest view. ``gains``: (W,)
+    float32, by what its linear colours are multiplied to be at the scan's common exposure.
     """
 
     def __init__(self, capacity: int = VIEW_CAPACITY) -> None:
@@ -40,6 +41,7 @@ class ViewTable:
         self.stamps: NDArray[np.int64] = np.zeros(capacity, np.int64)
         self.order: NDArray[np.int64] = np.zeros(capacity, np.int64)
         self.frames: NDArray[np.int32] = np.zeros(capacity, np.int32)
+        self.gains: NDArray[np.float32] = np.ones(capacity, np.float32)
 
     @property
     def nbytes(self) -> int:
@@ -49,7 +51,7 @@ class ViewTable:
     @property
     def arrays(self) -> Mapping[str, NDArray[Any]]:
         """The arrays that make up the table, at full capacity."""
-        names = ("centres", "foreground", "background", "stamps", "order", "frames")
+        names = ("centres", "foreground", "background", "stamps", "order", "frames", "gains")
         return {name: getattr(self, name) for name in names}
 
     def near(
@@ -85,6 +87,7 @@ class ViewTable:
         foreground: NDArray[np.float32],
         background: NDArray[np.float32],
         stamp_ns: int,
+        gain: float = 1.0,
     ) -> int:
         """Store a view and return its id; the table must not be full."""
         used = self.order[: self.count]
@@ -98,6 +101,7 @@ class ViewTable:
         self.stamps[view] = stamp_ns
         self.order[view] = newest + 1
         self.frames[view] = 0
+        self.gains[view] = gain
         return view
 
     @property

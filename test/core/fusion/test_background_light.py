@@ -11,10 +11,11 @@ from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.refusal import FrameRefused
 from reflest_core.fusion.background_light import ACROSS, MARGIN, background_pixels
-from reflest_core.fusion.light_map import LONGEST_MEMORY, LightMap
+from reflest_core.fusion.light_map import LONGEST_MEMORY, SIZE, LightMap
+from reflest_core.fusion.octahedral import octahedral_directions
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
-from test.core.fusion.analytic_scene import orbit_frames
+from test.core.fusion.analytic_scene import OBJECT, look_at, orbit, orbit_frames, render
 
 CAMERA = CameraIntrinsics(64, 48, 50.0, 50.0, 31.5, 23.5)
 
@@ -45,6 +46,47 @@ def test_what_has_depth_is_seen_from_the_object(frame):
     directions, _ = background_pixels(frame, nothing, depth, centre)
     point = np.array([0.5, -0.2, 1.0]) + 2.0 * np.array([(7 - 31.5) / 50, (5 - 23.5) / 50, 1.0])
     np.testing.assert_allclose(directions[5 * 64 + 7], point - centre, rtol=1e-6)
+
+
+def test_what_touches_the_object_is_left_out(frame):
+    """A direction from the object's middle would mean nothing to its sides."""
+    nothing = np.zeros((48, 64), np.bool_)
+    depth = np.full((48, 64), 1.2, np.float32)
+    depth[:, :10] = 0.0
+    depth[:, 40:] = 2.0
+    centre = np.array([0.5, -0.2, 2.0])
+    far, _ = background_pixels(frame, nothing, depth, centre)
+    kept, _ = background_pixels(frame, nothing, depth, centre, 0.85)
+    assert len(kept) < len(far) == 48 * 64
+    pixel_rays = far.reshape(48, 64, 3)[:, :10].reshape(-1, 3)
+    points = far.reshape(48, 64, 3)[:, 10:].reshape(-1, 3)
+    outside = points[np.linalg.norm(points, axis=1) > 0.85]
+    assert len(kept) == len(pixel_rays) + len(outside)
+    assert {tuple(one) for one in pixel_rays} <= {tuple(one) for one in kept}
+
+
+def test_a_near_wall_is_seen_from_the_objects_place():
+    """A spot on a wall 0.9 m from the object, seen past it by cameras 0.5 m on the other side."""
+    spot = np.array([-0.9, 0.3, 0.1])
+    scan = Scan(SETTINGS, RegionSettings("sphere", (0.0, 0.0, 0.0), (0.3, 0.3, 0.3)))
+    for number in range(-4, 5):
+        frame = render([OBJECT], look_at(orbit(number, 40)), number + 4)
+        camera, pose = frame.intrinsics, frame.T_world_camera
+        v, u = np.mgrid[: camera.height, : camera.width]
+        rays = np.stack([(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, np.ones_like(u)])
+        rays = np.einsum("ij,jvu->vui", pose[:3, :3], rays)
+        wall = (-0.9 - pose[0, 3]) / rays[..., 0]
+        points = pose[:3, 3] + wall[..., None] * rays
+        is_wall = frame.depth == 0.0
+        frame.depth[is_wall] = wall[is_wall]
+        frame.rgb[is_wall & (np.linalg.norm(points - spot, axis=-1) < 0.06)] = 220
+        scan.fuse(frame)
+    seen = scan.light.observed()
+    bright = octahedral_directions(SIZE)[seen.radiance[..., 0] > 0.3]
+    assert len(bright) >= 4
+    angles = np.degrees(np.arccos(bright @ (spot / np.linalg.norm(spot))))
+    # The spot is 7 degrees across; the centre of what a frame shows lies towards the camera.
+    assert angles.max() < 9.0
 
 
 def test_the_object_and_its_rim_are_left_out(frame):

@@ -108,6 +108,21 @@ def test_other_version_is_named(saved):
         Scan.load(saved)
 
 
+@pytest.mark.parametrize("without_light", [False, True])
+def test_a_file_of_version_2_is_read(scan, saved, without_light):
+    """It knew neither exposures nor, in its first days, the light."""
+    gone = {"light_white": None, "views_gains": None}
+    if without_light:
+        gone |= {f"light_{name}": None for name in scan.light.arrays}
+    rewrite(saved, header={"version": 2, "exposure_gain": None}, **gone)
+    loaded = Scan.load(saved)
+    same = {name for name in state_of(scan) if not (without_light and name.startswith("light."))}
+    before, after = state_of(scan), state_of(loaded)
+    assert_same_arrays({name: before[name] for name in same}, {name: after[name] for name in same})
+    assert (loaded.snapshot().light.seen_share > 0.0) != without_light
+    assert loaded.fuse(orbit_frames(24)[10]).view is not None
+
+
 @pytest.mark.parametrize(
     "changes",
     [

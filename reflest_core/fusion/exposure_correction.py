@@ -1,0 +1,43 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Observed colours as one exposure would have shown them, where the camera changed its own."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.brdf import srgb
+
+LINEAR = np.asarray(srgb.decode(np.arange(256) / 255.0))
+
+
+def at_one_exposure(
+    colours: NDArray[np.uint8], gains: NDArray[np.float32], views: NDArray[np.uint16]
+) -> NDArray[np.uint8]:
+    """Colours (O, 3) of ``views`` (O,), whose linear light ``gains`` (W,) multiply; 8-bit sRGB.
+
+    A channel at 255 stays there: it is a lower bound, whatever the exposure. So becomes what passes
+    white at the common exposure. Where every gain is 1 the colours come back as they are.
+    """
+    different, which = np.unique(gains, return_inverse=True)
+    if not np.any(different != 1.0):
+        return colours
+    encoded = srgb.encode(LINEAR * different[:, None].astype(np.float64))
+    table = np.asarray(np.rint(encoded * 255.0), np.uint8)
+    table[:, 255] = 255
+    return table[which[views][:, None], colours]
+
+
+def means_at_one_exposure(
+    means: NDArray[np.float32], gains: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """F or B (W, 3), mean 8-bit colours of views: the same for means, to which it is an estimate.
+
+    Exact for a view that shows one colour. NaN stays NaN.
+    """
+    is_other = gains != 1.0
+    corrected = means.copy()
+    linear = srgb.decode(means[is_other] / 255.0) * gains[is_other, None]
+    corrected[is_other] = srgb.encode(linear) * 255.0
+    return corrected

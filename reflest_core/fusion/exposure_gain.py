@@ -1,0 +1,124 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""How a frame is exposed, told from the background that it shares with the frames before it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.brdf import srgb
+from reflest_core.fusion.octahedral import octahedral_texel
+from reflest_core.jit import compiled, kernel_array
+
+LINEAR = np.asarray(srgb.decode(np.arange(256) / 255.0), np.float32)
+"""Linear light of the 8-bit values."""
+LEAST_TEXELS = 20
+"""Texels in common, of some 600 that a frame shows; fewer say nothing."""
+DARKEST = 0.01
+"""Mean luminance of a texel, before which steps of 8 bits and noise count for much."""
+SAME_EXPOSURE = 0.04
+"""Stops: what differs by less counts as not changed, so that a locked exposure stays exact."""
+CLEAR_SHIFT = 0.5
+"""Of the texels' median absolute deviation: what shifts less may be parallax or motion."""
+CLEAR_SHIFT_OF_ONE = 6.0
+"""The same over the square root of how many they are: three standard errors of their median."""
+MOST_STOPS = 6.0
+"""A gain lies within so many stops of 1."""
+
+
+def exposure_gain(
+    known: tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]],
+    directions: NDArray[np.float32],
+    colours: NDArray[np.uint8],
+    last: float,
+) -> float:
+    """By what a frame's linear colours are multiplied to be in the units of the light map.
+
+    ``known``: the map's sums (N, N, 3), counts and clipped counts (N, N), none of them empty.
+    ``directions`` (P, 3), ``colours`` (P, 3): the frame's background, see :meth:`LightMap.add`.
+    ``last``: the gain of the frame before, which stays where the two show too little in common or
+    do not clearly differ. Texels in which anything is clipped are left out; the rest vote by their
+    median. Light that changes as a whole cannot be told from exposure.
+    """
+    shifts = _shifts(
+        *known, *_texels_of(
+            kernel_array(directions, np.float32), kernel_array(colours, np.uint8), LINEAR,
+            len(known[1]),
+        ), DARKEST * DARKEST * last,
+    )  # fmt: skip
+    if len(shifts) < LEAST_TEXELS:
+        return last
+    stops = float(np.median(shifts))
+    spread = float(np.median(np.abs(shifts - stops)))
+    clear = spread * max(CLEAR_SHIFT, CLEAR_SHIFT_OF_ONE / math.sqrt(len(shifts)))
+    if abs(stops - math.log2(last)) < max(SAME_EXPOSURE, clear):
+        return last
+    return float(2.0 ** min(max(stops, -MOST_STOPS), MOST_STOPS))
+
+
+def is_same_exposure(gain: float, other: float) -> bool:
+    """Whether two gains differ by less than anyone would correct."""
+    return abs(math.log2(gain / other)) < SAME_EXPOSURE
+
+
+@compiled
+def _texels_of(
+    directions: NDArray[np.float32],
+    colours: NDArray[np.uint8],
+    linear: NDArray[np.float32],
+    size: int,
+) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_]]:
+    """Sums (N, N, 3) and counts (N, N) of the pixels in each texel, and where one is clipped."""
+    sums = np.zeros((size, size, 3), np.float32)
+    counts = np.zeros((size, size), np.float32)
+    clipped = np.zeros((size, size), np.bool_)
+    for pixel in range(len(directions)):
+        row, column = octahedral_texel(
+            directions[pixel, 0], directions[pixel, 1], directions[pixel, 2], size
+        )
+        counts[row, column] += 1.0
+        for channel in range(3):
+            value = colours[pixel, channel]
+            sums[row, column, channel] += linear[value]
+            clipped[row, column] |= value == 255
+    return sums, counts, clipped
+
+
+@compiled
+def _shifts(
+    there_sums: NDArray[np.float32],
+    there_counts: NDArray[np.float32],
+    there_clipped: NDArray[np.float32],
+    sums: NDArray[np.float32],
+    counts: NDArray[np.float32],
+    clipped: NDArray[np.bool_],
+    least_product: float,
+) -> NDArray[np.float64]:
+    """Stops from the frame to the map in each texel that both show, unclipped and bright enough.
+
+    Enough is a product of their luminances: it is the same whichever of the two noise has raised,
+    and so prefers neither.
+    """
+    shifts = np.empty(counts.size, np.float64)
+    found = 0
+    for row in range(counts.shape[0]):
+        for column in range(counts.shape[1]):
+            if counts[row, column] == 0.0 or clipped[row, column]:
+                continue
+            if there_counts[row, column] == 0.0 or there_clipped[row, column] > 0.0:
+                continue
+            here = _luminance(sums[row, column]) / counts[row, column]
+            there = _luminance(there_sums[row, column]) / there_counts[row, column]
+            if here * there > least_product:
+                shifts[found] = np.log2(there / here)
+                found += 1
+    return shifts[:found]
+
+
+@compiled
+def _luminance(linear: NDArray[np.float32]) -> float:
+    """Of linear sRGB (Rec. 709)."""
+    return float(0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2])
