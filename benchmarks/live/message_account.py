@@ -48,6 +48,7 @@ def account(frames: int, diagnostics: Mapping[str, str], latencies: list[float])
         "keyframes_skipped": _count(diagnostics, "keyframes skipped"),
         "estimates": len(latencies),
         "latency": dataclasses.asdict(timing) if timing else None,
+        "slowest_ms": 1000.0 * max(latencies) if latencies else None,
         "voxels": _count(diagnostics, "voxels"),
         "observations": _count(diagnostics, "observations"),
         "views": _count(diagnostics, "views"),

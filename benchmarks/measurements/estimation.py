@@ -17,8 +17,10 @@ from benchmarks.measurements.stages import (
     EAGER,
     ESTIMATE,
     ESTIMATION_STAGES,
+    FROM_STORE,
     NETWORK,
     SHIPPED_KIND,
+    SNAPSHOT,
 )
 from benchmarks.measuring.resident_memory import forget_peak, peak_mb, resident_mb
 from benchmarks.measuring.stage_clock import StageClock
@@ -54,7 +56,7 @@ def measure(
         scanner.estimator = Estimator(
             dataclasses.replace(settings.estimation, model=model, threads=threads)
         )
-        kinds = {SHIPPED_KIND: _shipped(scanner, snapshot, estimates)}
+        kinds = {SHIPPED_KIND: _shipped(scanner, estimates)}
         kinds |= _peers(model, snapshot, estimates, is_compiled)
         models[model] = {
             kind: [dataclasses.asdict(one) for one in timings] for kind, timings in kinds.items()
@@ -62,14 +64,17 @@ def measure(
     return {"models": models, "voxels": snapshot.surface.voxel_count, "peak_mb": peak_mb()}
 
 
-def _shipped(scanner: Scanner, snapshot: KeyframeSnapshot, count: int) -> list[Timing]:
+def _shipped(scanner: Scanner, count: int) -> list[Timing]:
     """The path of the node, stage by stage."""
     clock = StageClock(ESTIMATION_STAGES)
     for number in range(WARM_UP + count):
         if number == WARM_UP:
             clock.seconds.clear()
-        with clock.watching(), clock.timing(ESTIMATE):
-            scanner.estimate(snapshot)
+        with clock.watching(), clock.timing(FROM_STORE):
+            with clock.timing(SNAPSHOT):
+                snapshot = scanner.snapshot()
+            with clock.timing(ESTIMATE):
+                scanner.estimate(snapshot)
         clock.lap()
     forget_peak()
     before = resident_mb()

@@ -8,7 +8,7 @@ import dataclasses
 import time
 from typing import Any
 
-from benchmarks.measurements.stages import ESTIMATE, FUSE
+from benchmarks.measurements.stages import ESTIMATE, FUSE, SNAPSHOT
 from benchmarks.measuring.resident_memory import resident_mb
 from benchmarks.measuring.timing import Timing
 from benchmarks.scene.floor import floor_region, overview_frames, small_frames
@@ -24,7 +24,6 @@ from reflest_core.models.weights import shipped_models
 
 BUDGET_BYTES_PER_VOXEL = 1500
 """Enough that nothing of the floor is evicted."""
-SNAPSHOT = "snapshot"
 LAST_FRAMES = 10
 """Frames at the end of a scan over which fusion is timed."""
 

@@ -16,6 +16,8 @@ FUSE_NEW, FUSE_KNOWN, FUSE_DEPTH, FUSE_REDUNDANT = (
 )
 FRAME = "frame: assemble and fuse"
 ESTIMATE = "estimate"
+FROM_STORE = "store to estimate"
+SNAPSHOT = "snapshot"
 PUBLISH = "publish"
 NETWORK = "network"
 SHIPPED_KIND, EAGER, COMPILED = "shipped", "PyTorch eager", "torch.compile"
@@ -67,19 +69,24 @@ FUSION_STAGES = (
             "reflest_core.fusion.light_map:LightMap.add",
         ),
     ),
-    Stage("snapshot", ("reflest_core.estimation.scanner:Scanner.snapshot",)),
+    Stage(SNAPSHOT, ("reflest_core.estimation.scanner:Scanner.snapshot",)),
 )
 ESTIMATION_STAGES = (
     Stage("voxel choice", ("reflest_core.models.predictor:choose_voxels",)),
     Stage("hemisphere images", ("reflest_core.models.live_hemicnn:hemisphere_images",)),
     Stage("grouplets", ("reflest_core.models.live_grouplet:draw_grouplets",)),
+    Stage("shading", ("reflest_core.models.live_lightnet:surface_shading",)),
     Stage(
         NETWORK,
         (
             "reflest_core.models.live_hemicnn:LiveHemiCNN.evaluate",
             "reflest_core.models.live_grouplet:LiveGrouplet.evaluate",
+            "reflest_core.models.live_lightnet:LiveLightNet.evaluate",
         ),
     ),
     Stage("coverage", ("reflest_core.estimation.estimator:hemisphere_coverage",)),
 )
 STAGES = CAPTURE_STAGES + FUSION_STAGES + ESTIMATION_STAGES
+
+FEATURES = {"hemicnn": "hemisphere images", "grouplet": "grouplets", "lightnet": "shading"}
+"""The stage that builds what each network eats."""

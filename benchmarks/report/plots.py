@@ -18,7 +18,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from benchmarks.measurements.open3d_grid import INTEGRATE
 
 FRAME_TIME_MS = 1000.0 / 30.0
-COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:red", "tab:purple")
+COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:red", "tab:purple", "tab:brown")
 
 
 def plot_frames(results: dict[str, Any], path: Path) -> None:

@@ -51,6 +51,7 @@ def live_section(results: dict[str, Any]) -> str:
         ["keyframes skipped for a newer one", str(live["keyframes_skipped"])],
         ["estimates", str(live["estimates"])],
         *([f"estimate latency {p[:3]}", f"{number(latency.get(p))} ms"] for p in PERCENTILES),
+        ["estimate latency, the slowest", f"{number(live['slowest_ms'])} ms"],
         ["peak resident memory of the node", f"{live['peak_mb']:,.0f} MB"],
         ["cores that the node kept busy", number(live["cores_used"])],
         ["node's start to subscribed", f"{live['start_up_s']:.1f} s"],

@@ -10,6 +10,7 @@ from benchmarks.measurements.stages import (
     ASSEMBLE,
     ESTIMATE,
     FRAME,
+    FROM_STORE,
     FUSE,
     FUSE_DEPTH,
     FUSE_KNOWN,
@@ -18,16 +19,17 @@ from benchmarks.measurements.stages import (
     NETWORK,
     PUBLISH,
     SHIPPED_KIND,
+    SNAPSHOT,
 )
 from benchmarks.report.table import number, table
 
-WHOLES = (ASSEMBLE, FUSE, FRAME, ESTIMATE)
+WHOLES = (ASSEMBLE, FUSE, FRAME, ESTIMATE, FROM_STORE)
 """Sums of the stages above them; in bold."""
 ORDER = (
     "match", "decode", ASSEMBLE, "classify pixels", "F and B", "redundancy", "TSDF",
-    "background light", "observations", "snapshot", FUSE_NEW, FUSE_KNOWN, FUSE_DEPTH,
-    FUSE_REDUNDANT, FUSE,
-    FRAME, "voxel choice", "hemisphere images", "grouplets", NETWORK, "coverage", ESTIMATE, PUBLISH,
+    "background light", "observations", SNAPSHOT, FUSE_NEW, FUSE_KNOWN, FUSE_DEPTH, FUSE_REDUNDANT,
+    FUSE, FRAME, "voxel choice", "hemisphere images", "grouplets", "shading", NETWORK, "coverage",
+    ESTIMATE, FROM_STORE, PUBLISH,
 )  # fmt: skip
 PERCENTILES = ("p50_ms", "p95_ms", "p99_ms")
 COMPARED = ("fuse_ms", "open3d_ms", "ratio")

@@ -8,11 +8,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from benchmarks.measurements.stages import ESTIMATE, SHIPPED_KIND
+from benchmarks.measurements.stages import ESTIMATE, FROM_STORE, SHIPPED_KIND
 from reflest_core.estimation.settings import EstimationSettings
 
 HALF = 0.5
-INFERENCE_P95_MS = {"hemicnn": 16.0, "grouplet-fast": 5.0, "grouplet-slow": 30.0}
+P95_MS = {
+    "lightnet": ("store to estimate", FROM_STORE, 50.0),
+    "hemicnn": ("features and network", ESTIMATE, 16.0),
+    "grouplet-fast": ("features and network", ESTIMATE, 5.0),
+    "grouplet-slow": ("features and network", ESTIMATE, 30.0),
+}
+"""Of each model: what is promised, the stage that it is measured by, and the limit."""
 LATENCY_P99_MS = 100.0
 BYTES_PER_OBSERVATION = 6.0
 LEVEL = 1.25
@@ -42,11 +48,10 @@ def targets(results: dict[str, Any]) -> Iterator[Target]:
         what = f"whole frame against Open3D's colour integration, {most} threads, {name}"
         yield Target(what, colour["ratio"], HALF, "times")
     models = results["estimation"]["1"]["models"]
-    for model, limit in INFERENCE_P95_MS.items():
-        estimate = next(one for one in models[model][SHIPPED_KIND] if one["name"] == ESTIMATE)
-        yield Target(
-            f"{model}, features and network, p95, 1 thread", estimate["p95_ms"], limit, "ms"
-        )
+    for model, kinds in models.items():
+        what, stage, limit = P95_MS[model]
+        timing = next(one for one in kinds[SHIPPED_KIND] if one["name"] == stage)
+        yield Target(f"{model}, {what}, p95, 1 thread", timing["p95_ms"], limit, "ms")
     for grown in ("store", "views"):
         smallest, *_, largest = results["growth_of_estimates"][grown]
         size = "voxels" if grown == "store" else "views"

@@ -17,7 +17,9 @@ from benchmarks.measurements.stages import (
     EAGER,
     ESTIMATE,
     ESTIMATION_STAGES,
+    FEATURES,
     FRAME,
+    FROM_STORE,
     FUSE,
     FUSE_DEPTH,
     FUSE_KNOWN,
@@ -32,7 +34,9 @@ from benchmarks.measuring.machine import ROOT
 from benchmarks.plan import TINY
 from benchmarks.report.page import BEGIN, END, GuideDamaged, write_page
 from benchmarks.run import run
+from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.models.model_choice import MODELS
+from reflest_core.models.weights import shipped_models
 
 pytestmark = pytest.mark.timeout(900)
 """The run takes half a minute of processor time, on a crowded machine much longer."""
@@ -69,8 +73,8 @@ def names(timings):
 def test_every_stage_of_the_live_path_is_timed(results):
     stages = results["frame_path"]["1"]["stages"]
     expected = {one.name for one in (*CAPTURE_STAGES, *FUSION_STAGES, *ESTIMATION_STAGES)}
-    # The default model looks at grouplets; hemisphere images are HemiCNN's.
-    expected -= {"hemisphere images"}
+    network = MODELS[EstimationSettings().model].network
+    expected -= {feature for kind, feature in FEATURES.items() if kind != network}
     assert names(stages) == expected | {
         ASSEMBLE, FUSE, FRAME, ESTIMATE, PUBLISH, *(names(stages) & set(KINDS)),
     }  # fmt: skip
@@ -94,10 +98,11 @@ def test_memory_is_noted_stage_by_stage(results):
 
 def test_models_are_timed_stage_by_stage_and_against_eager_torch(results):
     models = results["estimation"]["1"]["models"]
-    assert set(models) == set(MODELS)
+    assert set(models) == set(shipped_models())
     for model, kinds in models.items():
-        feature = "hemisphere images" if MODELS[model].network == "hemicnn" else "grouplets"
-        assert {"voxel choice", feature, NETWORK, ESTIMATE} <= names(kinds[SHIPPED_KIND])
+        feature = FEATURES[MODELS[model].network]
+        stages = {"snapshot", "voxel choice", feature, NETWORK, "coverage", ESTIMATE, FROM_STORE}
+        assert names(kinds[SHIPPED_KIND]) == stages
         assert names(kinds[EAGER]) == {NETWORK}
         assert all(one["count"] == TINY.estimates for one in kinds[EAGER])
 
@@ -133,6 +138,7 @@ def test_the_live_run_accounts_for_every_message(results):
     assert kept + live["frames_lost"] == live["frames_played"] == LIVE_FRAMES
     assert kept > 0
     assert live["estimates"] == live["latency"]["count"] > 0
+    assert live["slowest_ms"] >= live["latency"]["p99_ms"]
 
 
 def test_memory_of_a_full_scan_is_measured(results):
