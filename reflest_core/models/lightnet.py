@@ -3,8 +3,9 @@
 """lightnet: what the known light leaves open, read from many small ratios (our own network).
 
 Every number that goes in compares an observation with what the light seen in the background would
-do (:mod:`reflest_core.features.light.shading`). The three colour channels pass through the same
-weights, one by one, and meet only where the specular lobe is estimated, for it has no colour.
+do (:mod:`reflest_core.features.light.shading`), or says what the physics found by itself and how
+sure it is (:mod:`reflest_core.features.light.scene_statistics`). The three colour channels pass
+through the same weights and meet only in means and maxima, so that none is special.
 """
 
 from __future__ import annotations
@@ -16,14 +17,18 @@ from reflest_core.models.lightnet_shapes import (
     HEADS,
     ONE_LAYER,
     ROUGHNESS_COUNT,
+    STANDARDS,
     TWO_LAYERS,
     VOXEL,
 )
 from reflest_core.models.live_lightnet import FLOOR
 from reflest_core.models.model_choice import MODELS
+from reflest_core.models.standard import Standard
 
 VOXELS = MODELS["lightnet"].voxels
 """Voxels that an estimate rests on."""
+DROPPED = 0.15
+"""Share of a scene's numbers that is left out at a time while training."""
 
 
 class LightNet(nn.Module):
@@ -37,10 +42,14 @@ class LightNet(nn.Module):
         self.observation = _two_layers("observation")
         self.voxel = _two_layers("voxel")
         self.attention = nn.Linear(*ONE_LAYER["attention"])
+        self.of_channel = Standard(STANDARDS["of_channel"])
+        self.of_all = Standard(STANDARDS["of_all"])
         self.channel = _two_layers("channel")
         self.gloss = _two_layers("gloss")
+        self.diffuse = _two_layers("diffuse")
         self.diffuse_head = nn.Linear(*ONE_LAYER["diffuse_head"])
         self.gloss_head = nn.Linear(*ONE_LAYER["gloss_head"])
+        self.dropout = nn.Dropout(DROPPED)
 
     def forward(
         self,
@@ -58,6 +67,8 @@ class LightNet(nn.Module):
         voxel_fit: torch.Tensor,
         scene_fit: torch.Tensor,
         zones: torch.Tensor,
+        channel_statistics: torch.Tensor,
+        statistics: torch.Tensor,
     ) -> tuple[torch.Tensor, torch.Tensor]:
         """Shapes as in :class:`Shading` with a leading B; voxels never seen are padding."""
         per_channel = (*apparent.shape[:3], 3)
@@ -100,22 +111,23 @@ class LightNet(nn.Module):
         spread = _deviation(voxels, is_voxel, is_voxel.sum(dim=1))
 
         zone_light = _log(zones[..., :3] / mean_light[:, None]).transpose(1, 2)
-        every_zone = torch.cat([zone_light.mean(dim=1), zones[..., 3], zones[..., 4]], dim=-1)
+        of_channel = self.of_channel(
+            torch.cat([channel_statistics, scene_fit.flatten(2), zone_light], dim=-1)
+        )
+        of_all = self.of_all(torch.cat([statistics, zones[..., 3], zones[..., 4]], dim=-1))
+        beside = torch.cat([of_channel.mean(dim=1), of_all], dim=-1)
         channels = self.channel(
-            torch.cat(
-                [
-                    weighed,
-                    spread,
-                    scene_fit.flatten(2),
-                    zone_light,
-                    every_zone[:, None].expand(-1, 3, -1),
-                ],
-                dim=-1,
+            self.dropout(
+                torch.cat([weighed, spread, of_channel, beside[:, None].expand(-1, 3, -1)], dim=-1)
             )
         )
-        gloss = self.gloss(torch.cat([channels.mean(dim=1), channels.amax(dim=1)], dim=-1))
+        gloss = self.gloss(
+            self.dropout(torch.cat([channels.mean(dim=1), channels.amax(dim=1)], dim=-1))
+        )
         diffuse = self.diffuse_head(
-            torch.cat([channels, gloss[:, None].expand(channels.shape)], dim=-1)
+            self.diffuse(
+                self.dropout(torch.cat([channels, gloss[:, None].expand(channels.shape)], dim=-1))
+            )
         )
         specular = self.gloss_head(gloss)
         means = torch.cat([diffuse[..., 0], specular[:, :2]], dim=1)
@@ -142,5 +154,5 @@ def _log(ratio: torch.Tensor) -> torch.Tensor:
 
 
 def _two_layers(name: str) -> nn.Sequential:
-    inputs, width = TWO_LAYERS[name]
-    return nn.Sequential(nn.Linear(inputs, width), nn.SiLU(), nn.Linear(width, width), nn.SiLU())
+    inputs, width, outputs = TWO_LAYERS[name]
+    return nn.Sequential(nn.Linear(inputs, width), nn.SiLU(), nn.Linear(width, outputs), nn.SiLU())

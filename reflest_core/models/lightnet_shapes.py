@@ -5,32 +5,39 @@
 from __future__ import annotations
 
 from reflest_core.features.light.light_zones import ZONES
+from reflest_core.features.light.scene_statistics import CHANNEL_STATISTICS, STATISTICS
 from reflest_core.features.light.ward_lobe import ROUGHNESSES
 
 ROUGHNESS_COUNT = len(ROUGHNESSES)
 OBSERVATION_INPUTS = 3 + 3 * ROUGHNESS_COUNT
 FIT_INPUTS = 3 * ROUGHNESS_COUNT
 VOXEL_INPUTS = 7 + FIT_INPUTS
-ZONE_INPUTS = ZONES * (1 + 1 + 2)
-OBSERVATION, VOXEL, SCENE, HEADS = 48, 64, 96, 8
+CHANNEL_INPUTS = CHANNEL_STATISTICS + FIT_INPUTS + ZONES
+SHARED_INPUTS = STATISTICS + 2 * ZONES
+OBSERVATION, VOXEL, CHANNEL, SCENE, HEADS = 32, 48, 88, 72, 6
 """Widths of the stages, and the number of ways in which voxels are weighed against each other."""
 
 TWO_LAYERS = {
-    "observation": (OBSERVATION_INPUTS, OBSERVATION),
-    "voxel": (3 * OBSERVATION + VOXEL_INPUTS, VOXEL),
-    "channel": (2 * VOXEL + FIT_INPUTS + ZONE_INPUTS, SCENE),
-    "gloss": (2 * SCENE, SCENE),
+    "observation": (OBSERVATION_INPUTS, OBSERVATION, OBSERVATION),
+    "voxel": (3 * OBSERVATION + VOXEL_INPUTS, VOXEL, VOXEL),
+    "channel": (2 * VOXEL + 2 * CHANNEL_INPUTS + SHARED_INPUTS, CHANNEL, SCENE),
+    "gloss": (2 * SCENE, SCENE, SCENE),
+    "diffuse": (2 * SCENE, SCENE, SCENE),
 }
-"""Inputs and width of each stage of two layers."""
-ONE_LAYER = {"attention": (VOXEL, HEADS), "diffuse_head": (2 * SCENE, 2), "gloss_head": (SCENE, 4)}
+"""Inputs of each stage of two layers, and the widths of the two."""
+ONE_LAYER = {"attention": (VOXEL, HEADS), "diffuse_head": (SCENE, 2), "gloss_head": (SCENE, 4)}
 """Inputs and outputs of the others."""
+STANDARDS = {"of_channel": CHANNEL_INPUTS, "of_all": SHARED_INPUTS}
+"""Inputs that are taken in standard units."""
 
 
 def _shapes() -> dict[str, tuple[int, ...]]:
     layers = dict(ONE_LAYER)
-    for name, (inputs, width) in TWO_LAYERS.items():
-        layers |= {f"{name}.0": (inputs, width), f"{name}.2": (width, width)}
+    for name, (inputs, width, outputs) in TWO_LAYERS.items():
+        layers |= {f"{name}.0": (inputs, width), f"{name}.2": (width, outputs)}
     shapes: dict[str, tuple[int, ...]] = {}
+    for name, inputs in STANDARDS.items():
+        shapes |= {f"{name}.mean": (inputs,), f"{name}.variance": (inputs,), f"{name}.seen": (1,)}
     for name, (inputs, outputs) in layers.items():
         shapes |= {f"{name}.weight": (outputs, inputs), f"{name}.bias": (outputs,)}
     return shapes

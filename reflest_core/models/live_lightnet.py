@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,6 +21,8 @@ Array = NDArray[np.float32]
 
 FLOOR = np.float32(0.03)
 """Added before a logarithm: ratios below it say the same, dark."""
+FURTHEST = np.float32(4.0)
+"""Standard deviations from the mean at which a statistic is held."""
 
 
 class LiveLightNet:
@@ -30,6 +34,9 @@ class LiveLightNet:
         self._attention = DenseLayer.of(tensors, "attention")
         self._channel = _two_layers(tensors, "channel")
         self._gloss = _two_layers(tensors, "gloss")
+        self._of_channel = _Standard.of(tensors, "of_channel")
+        self._of_all = _Standard.of(tensors, "of_all")
+        self._diffuse = _two_layers(tensors, "diffuse")
         self._diffuse_head = DenseLayer.of(tensors, "diffuse_head")
         self._gloss_head = DenseLayer.of(tensors, "gloss_head")
 
@@ -49,25 +56,25 @@ class LiveLightNet:
             weighed = (np.repeat(weights, width, axis=-1) * voxels).sum(axis=0)
             spread = np.sqrt(voxels.var(axis=0) + np.float32(1e-6))
             zone_light = _log(look.zones[:, :3] / mean_light).T
-            every_zone = np.concatenate(
-                [zone_light.mean(axis=0), look.zones[:, 3], look.zones[:, 4]]
+            of_channel = self._of_channel.scores(
+                np.concatenate(
+                    [look.channel_statistics, look.scene_fit.reshape(3, -1), zone_light], axis=-1
+                )
             )
+            of_all = self._of_all.scores(
+                np.concatenate([look.statistics, look.zones[:, 3], look.zones[:, 4]])
+            )
+            shared = np.concatenate([of_channel.mean(axis=0), of_all])
+            shared = np.broadcast_to(shared, (3, len(shared)))
             channels = _run(
                 self._channel,
-                np.concatenate(
-                    [
-                        weighed,
-                        spread,
-                        look.scene_fit.reshape(3, -1),
-                        zone_light,
-                        np.broadcast_to(every_zone, (3, len(every_zone))),
-                    ],
-                    axis=-1,
-                ),
+                np.concatenate([weighed, spread, of_channel, shared], axis=-1),
             )
             gloss = _run(self._gloss, np.concatenate([channels.mean(axis=0), channels.max(axis=0)]))
             beside = np.broadcast_to(gloss, channels.shape)
-            diffuse = self._diffuse_head.linear(np.concatenate([channels, beside], axis=-1))
+            diffuse = self._diffuse_head.linear(
+                _run(self._diffuse, np.concatenate([channels, beside], axis=-1))
+            )
             specular = self._gloss_head.linear(gloss)
         means = np.concatenate([diffuse[:, 0], specular[:2]])
         return means, np.concatenate([diffuse[:, 1], specular[2:]])
@@ -113,6 +120,21 @@ class LiveLightNet:
                 axis=-1,
             ),
         )
+
+
+class _Standard(NamedTuple):
+    """Inputs in standard units; see :mod:`reflest_core.models.standard`."""
+
+    mean: Array
+    deviation: Array
+
+    @staticmethod
+    def of(tensors: Tensors, name: str) -> _Standard:
+        deviation = np.sqrt(tensors[f"{name}.variance"] + np.float32(1e-4))
+        return _Standard(tensors[f"{name}.mean"], deviation)
+
+    def scores(self, values: Array) -> Array:
+        return np.asarray(np.clip((values - self.mean) / self.deviation, -FURTHEST, FURTHEST))
 
 
 def _two_layers(tensors: Tensors, name: str) -> tuple[DenseLayer, DenseLayer]:

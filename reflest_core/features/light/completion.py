@@ -46,7 +46,12 @@ def complete(light: ObservedLight) -> LightPyramid:
     stacked = np.concatenate(
         [filled, light.coverage[..., None], seen_clipped[..., None]], axis=-1
     ).astype(np.float32)
-    levels = [stacked]
+    return levels_below(stacked)
+
+
+def levels_below(finest: NDArray[np.float32]) -> LightPyramid:
+    """The pyramid over a map (N, N, 5)."""
+    levels = [finest]
     while len(levels[-1]) % 2 == 0:
         levels.append(halved(levels[-1]))
     return LightPyramid(levels)

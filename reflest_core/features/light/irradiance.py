@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from reflest_core.features.light.completion import LightPyramid
 from reflest_core.fusion.octahedral import octahedral_directions, octahedral_solid_angles
 
+DARKEST = 1e-4
+"""``E(n) / pi`` that a ratio is taken to at least, in units of the sensor's white."""
 SIZE = 24
 """Edge of the pyramid's level that is summed: 8 degrees a texel, plenty for a cosine."""
 

@@ -10,25 +10,19 @@ strength matters: with the true light, an observation of Eq. 1 satisfies, in eve
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.brdf import srgb
-from reflest_core.features.light.completion import complete
-from reflest_core.features.light.irradiance import mean_radiance
+from reflest_core.features.light.explained_light import explain
+from reflest_core.features.light.irradiance import DARKEST, mean_radiance
 from reflest_core.features.light.light_zones import light_zones
 from reflest_core.features.light.lobe_fit import fit_lobes
+from reflest_core.features.light.scene_statistics import scene_statistics
+from reflest_core.features.light.surface_sample import sampled
 from reflest_core.features.light.ward_lobe import lobe_radiance
 from reflest_core.fusion.light_map import ObservedLight
 from reflest_core.fusion.observed_surface import ObservedSurface
-
-OBSERVATIONS = 12
-"""Of one voxel at most; more are thinned evenly over the order in which they were made."""
-DARKEST = 1e-4
-"""``E(n) / pi`` that a ratio is taken to at least, in units of the sensor's white."""
-_LINEAR = np.asarray(srgb.decode(np.arange(256) / 255.0), np.float32)
 
 
 @dataclass(frozen=True)
@@ -42,7 +36,8 @@ class Shading:
     ``lobe_seen``, ``lobe_clipped``: (V, O, K), shares of that lobe's light.
     ``normals``: (V, 3). ``diffuse_light``: (V, 3), ``E(n) / pi``. ``diffuse_seen``,
     ``diffuse_clipped``: (V,), shares of that light. ``voxel_fit``: (V, 3, K, 3) and ``scene_fit``:
-    (3, K, 3), see :class:`LobeFit`. ``zones``: see :func:`light_zones`.
+    (3, K, 3), see :class:`LobeFit`. ``zones``: see :func:`light_zones`. ``channel_statistics``:
+    (3, C) and ``statistics``: (S,), see :class:`SceneStatistics`.
     """
 
     is_seen: NDArray[np.bool_]
@@ -59,30 +54,22 @@ class Shading:
     voxel_fit: NDArray[np.float32]
     scene_fit: NDArray[np.float32]
     zones: NDArray[np.float32]
+    channel_statistics: NDArray[np.float32]
+    statistics: NDArray[np.float32]
 
 
 def shading(surface: ObservedSurface, light: ObservedLight, voxels: NDArray[np.int64]) -> Shading:
     """What the light explains of the observations of ``voxels``, indices into ``surface``."""
-    rows, voxel_of, slot = chosen_observations(surface, voxels)
-    normals = surface.normals[voxels]
-    towards = surface.view_centres[surface.view_indices[rows]] - surface.positions[voxels][voxel_of]
-    directions = towards / np.linalg.norm(towards, axis=1, keepdims=True)
-    pyramid = complete(light)
-    diffuse = mean_radiance(pyramid, normals)
+    found = explain(surface, light)
+    sample = sampled(surface, voxels)
+    diffuse = mean_radiance(found.light, sample.normals)
     diffuse_light = np.maximum(diffuse[:, :3], DARKEST)
-    lobes = lobe_radiance(pyramid, normals[voxel_of], directions)
-    colours = surface.colours[rows]
-
-    def spread(values: NDArray[np.floating[Any]]) -> NDArray[np.float32]:
-        """(O, ...) of the observations to (V, O, ...), zeros where there is none."""
-        grid = np.zeros((len(voxels), OBSERVATIONS, *values.shape[1:]), np.float32)
-        grid[voxel_of, slot] = values
-        return grid
-
-    is_seen = spread(np.ones(len(rows), np.float32))
-    apparent = spread(_LINEAR[colours] / diffuse_light[voxel_of])
-    clipped = spread((colours == 255).astype(np.float32))
-    lobe = spread(lobes[..., :3] / diffuse_light[voxel_of, None])
+    lobes = lobe_radiance(found.light, sample.normals[sample.voxel_of], sample.directions)
+    of_observation = diffuse_light[sample.voxel_of]
+    is_seen = sample.spread(np.ones(len(sample.voxel_of), np.float32))
+    apparent = sample.spread(sample.colours / of_observation)
+    clipped = sample.spread(sample.clipped.astype(np.float32))
+    lobe = sample.spread(lobes[..., :3] / of_observation[:, None])
     brightness = diffuse_light.mean(axis=1)
     fit = fit_lobes(
         apparent,
@@ -90,31 +77,24 @@ def shading(surface: ObservedSurface, light: ObservedLight, voxels: NDArray[np.i
         is_seen[..., None] * (1.0 - clipped),
         np.minimum(brightness / max(float(brightness.mean()), DARKEST), 1.0) ** 2,
     )
+    statistics = scene_statistics(surface, found)
     return Shading(
         is_seen=is_seen > 0.0,
         apparent=apparent,
         clipped=clipped,
-        cosine=spread(np.einsum("ij,ij->i", directions, normals[voxel_of])),
+        cosine=sample.spread(
+            np.einsum("ij,ij->i", sample.directions, sample.normals[sample.voxel_of])
+        ),
         lobe=lobe,
-        lobe_seen=spread(lobes[..., 3]),
-        lobe_clipped=spread(lobes[..., 4]),
-        normals=normals,
+        lobe_seen=sample.spread(lobes[..., 3]),
+        lobe_clipped=sample.spread(lobes[..., 4]),
+        normals=sample.normals,
         diffuse_light=diffuse_light,
         diffuse_seen=diffuse[:, 3],
         diffuse_clipped=diffuse[:, 4],
         voxel_fit=fit.voxels,
         scene_fit=fit.scene,
-        zones=light_zones(pyramid),
+        zones=light_zones(found.light),
+        channel_statistics=statistics.of_channels,
+        statistics=statistics.of_all,
     )
-
-
-def chosen_observations(
-    surface: ObservedSurface, voxels: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Rows of the chosen observations, each one's place in ``voxels``, and its slot there."""
-    first, counts = surface.offsets[voxels], surface.observation_counts[voxels]
-    taken = np.minimum(counts, OBSERVATIONS)
-    voxel_of = np.repeat(np.arange(len(voxels)), taken)
-    slot = np.arange(len(voxel_of)) - np.repeat(np.cumsum(taken) - taken, taken)
-    step = slot * counts[voxel_of] // np.maximum(taken[voxel_of], 1)
-    return first[voxel_of] + step, voxel_of, slot

@@ -63,34 +63,43 @@ def _gather(
     directions: NDArray[np.float32],
 ) -> NDArray[np.float32]:
     roughnesses, samples = half_vectors.shape[:2]
-    gathered = np.zeros((len(normals), roughnesses, 5), np.float32)
+    gathered = np.empty((len(normals), roughnesses, 5), np.float32)
     for observation in range(len(normals)):
-        n, o = normals[observation], directions[observation]
+        n = normals[observation]
+        nx, ny, nz = float(n[0]), float(n[1]), float(n[2])
+        o = directions[observation]
+        ox, oy, oz = float(o[0]), float(o[1]), float(o[2])
         tx, ty, tz, bx, by, bz = tangent_frame(n)
-        cosine_o = max(o[0] * n[0] + o[1] * n[1] + o[2] * n[2], 1e-3)
+        cosine_o = max(ox * nx + oy * ny + oz * nz, 1e-3)
         for roughness in range(roughnesses):
             level = levels[roughness]
             light = fine if level == 0 else (middle if level == 1 else coarse)
-            total = 0.0
+            size = len(light)
+            total, red, green, blue, seen, clipped = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
             for sample in range(samples):
-                x, y, z = half_vectors[roughness, sample]
-                hx = tx * x + bx * y + n[0] * z
-                hy = ty * x + by * y + n[1] * z
-                hz = tz * x + bz * y + n[2] * z
-                along = o[0] * hx + o[1] * hy + o[2] * hz
-                ix, iy, iz = 2 * along * hx - o[0], 2 * along * hy - o[1], 2 * along * hz - o[2]
-                cosine_i = ix * n[0] + iy * n[1] + iz * n[2]
+                x = half_vectors[roughness, sample, 0]
+                y = half_vectors[roughness, sample, 1]
+                z = half_vectors[roughness, sample, 2]
+                hx = tx * x + bx * y + nx * z
+                hy = ty * x + by * y + ny * z
+                hz = tz * x + bz * y + nz * z
+                along = ox * hx + oy * hy + oz * hz
+                cosine_i = 2.0 * along * z - cosine_o
                 if along <= 0.0 or cosine_i <= 0.0:
                     continue
+                row, column = octahedral_texel(
+                    2.0 * along * hx - ox, 2.0 * along * hy - oy, 2.0 * along * hz - oz, size
+                )
                 weight = along * z * z * z * math.sqrt(cosine_i / cosine_o)
-                row, column = octahedral_texel(ix, iy, iz, len(light))
-                for channel in range(5):
-                    gathered[observation, roughness, channel] += (
-                        weight * light[row, column, channel]
-                    )
                 total += weight
-            for channel in range(3):
-                gathered[observation, roughness, channel] /= samples
-            for channel in range(3, 5):
-                gathered[observation, roughness, channel] /= max(total, 1e-6)
+                red += weight * light[row, column, 0]
+                green += weight * light[row, column, 1]
+                blue += weight * light[row, column, 2]
+                seen += weight * light[row, column, 3]
+                clipped += weight * light[row, column, 4]
+            gathered[observation, roughness, 0] = red / samples
+            gathered[observation, roughness, 1] = green / samples
+            gathered[observation, roughness, 2] = blue / samples
+            gathered[observation, roughness, 3] = seen / max(total, 1e-6)
+            gathered[observation, roughness, 4] = clipped / max(total, 1e-6)
     return gathered

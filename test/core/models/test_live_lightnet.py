@@ -19,7 +19,7 @@ from test.core.surfaces import sphere_surface
 @pytest.fixture(scope="module")
 def network():
     torch.manual_seed(1)
-    module = LightNet()
+    module = LightNet().eval()
     return module, LiveLightNet({name: t.numpy() for name, t in module.state_dict().items()})
 
 
@@ -39,7 +39,7 @@ def batched(look, padding):
     arrays = {}
     for field in dataclasses.fields(Shading):
         array = getattr(look, field.name)
-        if field.name not in ("scene_fit", "zones"):
+        if field.name not in ("scene_fit", "zones", "channel_statistics", "statistics"):
             array = np.pad(array, [(0, padding)] + [(0, 0)] * (array.ndim - 1))
         arrays[field.name] = torch.from_numpy(array)[None]
     return arrays
@@ -66,7 +66,7 @@ def test_colour_channels_are_alike(network):
         look, apparent=look.apparent[..., swap], clipped=look.clipped[..., swap],
         lobe=look.lobe[..., swap], diffuse_light=look.diffuse_light[:, swap],
         voxel_fit=look.voxel_fit[:, swap], scene_fit=look.scene_fit[swap],
-        zones=look.zones[:, [*swap, 3, 4]],
+        zones=look.zones[:, [*swap, 3, 4]], channel_statistics=look.channel_statistics[swap],
     )  # fmt: skip
     for found, expected in zip(live.evaluate(swapped), live.evaluate(look), strict=True):
         np.testing.assert_allclose(found, expected[[*swap, 3, 4]], atol=1e-5)

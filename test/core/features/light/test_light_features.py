@@ -10,7 +10,8 @@ from reflest_core.brdf.albedo import specular_albedo
 from reflest_core.features.light.completion import complete
 from reflest_core.features.light.irradiance import mean_radiance
 from reflest_core.features.light.light_zones import light_zones
-from reflest_core.features.light.shading import OBSERVATIONS, shading
+from reflest_core.features.light.shading import shading
+from reflest_core.features.light.surface_sample import OBSERVATIONS
 from reflest_core.features.light.ward_lobe import ROUGHNESSES, lobe_radiance
 from reflest_core.fusion.light_map import SIZE, ObservedLight
 from reflest_core.fusion.observed_surface import ObservedSurface

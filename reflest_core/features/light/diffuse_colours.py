@@ -1,0 +1,40 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""What a voxel shows without its highlights: a low quantile of its colours over the views."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.brdf import srgb
+from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.jit import compiled
+
+QUANTILE = 0.15
+"""Low, as a highlight only ever adds; not the least, which noise and occluders lower."""
+_LINEAR = np.asarray(srgb.decode(np.arange(256) / 255.0), np.float32)
+
+
+def diffuse_colours(
+    surface: ObservedSurface, voxels: NDArray[np.int64], quantile: float = QUANTILE
+) -> NDArray[np.float32]:
+    """(V, 3) linear colour of each of ``voxels``; 1 in a channel says that it is clipped."""
+    eight_bit = _quantiles(surface.colours, surface.offsets, voxels, quantile)
+    return np.asarray(_LINEAR[eight_bit])
+
+
+@compiled
+def _quantiles(
+    colours: NDArray[np.uint8],
+    offsets: NDArray[np.int64],
+    voxels: NDArray[np.int64],
+    quantile: float,
+) -> NDArray[np.uint8]:
+    found = np.zeros((len(voxels), 3), np.uint8)
+    for i in range(len(voxels)):
+        first, last = offsets[voxels[i]], offsets[voxels[i] + 1]
+        rank = int(quantile * max(last - first - 1, 0))
+        for channel in range(3):
+            found[i, channel] = np.sort(colours[first:last, channel])[rank]
+    return found

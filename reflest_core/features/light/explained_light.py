@@ -1,0 +1,109 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Light and material together: gloss is fitted, taken away, and the light fitted again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.features.light.completion import LightPyramid, complete, levels_below
+from reflest_core.features.light.diffuse_colours import QUANTILE, diffuse_colours
+from reflest_core.features.light.irradiance import DARKEST, mean_radiance
+from reflest_core.features.light.light_from_shading import EVEN, FREE, InferredLight, infer_light
+from reflest_core.features.light.light_patches import diffuse_response, patch_image
+from reflest_core.features.light.material_fit import MaterialFit, fit_material
+from reflest_core.features.light.surface_sample import SurfaceSample, sampled
+from reflest_core.features.light.ward_lobe import lobe_radiance
+from reflest_core.features.voxel_choice import choose_voxels
+from reflest_core.fusion.light_map import ObservedLight
+from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.fusion.thinning import thinned
+
+SHADED, SAMPLED = 512, 96
+"""Voxels whose diffuse colours tell of the light; those whose observations tell of gloss."""
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """What was found in two rounds, and what it was found from.
+
+    ``filled``, ``light``: the light after pull and push alone, and as the shading completes it.
+    ``surface_normals``, ``colours``: (D, 3) of voxels, linear, without highlights.
+    ``sample``: the observations that the material was fitted to, ``lobes``: (O, K, 5) the light in
+    their lobes. ``inferred``: the first round's light, the second's, and with a free prior.
+    ``materials``: the first and the second round's.
+    """
+
+    filled: LightPyramid
+    light: LightPyramid
+    surface_normals: NDArray[np.float32]
+    colours: NDArray[np.float32]
+    sample: SurfaceSample
+    lobes: NDArray[np.float32]
+    inferred: tuple[InferredLight, InferredLight, InferredLight]
+    materials: tuple[MaterialFit, MaterialFit]
+
+
+def explain(surface: ObservedSurface, light: ObservedLight) -> Explanation:
+    """Explain ``surface``'s colours by ``light`` where it was seen and by the least else."""
+    filled = complete(light)
+    voxels = thinned(surface.observation_counts, SHADED)
+    colours = diffuse_colours(surface, voxels)
+    normals = surface.normals[voxels]
+    response = diffuse_response(light, filled, normals)
+    sample = sampled(surface, choose_voxels(surface, SAMPLED))
+    first = infer_light(response, colours)
+    free = infer_light(response, colours, FREE)
+    material, lobes = _material(sample, completed(light, filled, first))
+    matte = _without_gloss(sample, lobes, material)
+    second = infer_light(diffuse_response(light, filled, sample.normals), matte, EVEN)
+    final = completed(light, filled, second)
+    refined, lobes = _material(sample, final)
+    return Explanation(
+        filled, final, normals, colours, sample, lobes, (first, second, free), (material, refined)
+    )
+
+
+def completed(light: ObservedLight, filled: LightPyramid, found: InferredLight) -> LightPyramid:
+    """The light with what the shading tells of its unseen and clipped parts."""
+    fine = filled.levels[0]
+    size = len(fine)
+    bright = light.radiance + patch_image(found.excess, size) * fine[..., 4:]
+    fill = fine[..., :3] * patch_image(found.unseen, size)
+    radiance = np.where(light.coverage[..., None] > 0.0, bright, fill)
+    return levels_below(np.concatenate([radiance, fine[..., 3:]], axis=-1).astype(np.float32))
+
+
+def _material(
+    sample: SurfaceSample, light: LightPyramid
+) -> tuple[MaterialFit, NDArray[np.float32]]:
+    diffuse = np.maximum(mean_radiance(light, sample.normals)[:, :3], DARKEST)
+    lobes = lobe_radiance(light, sample.normals[sample.voxel_of], sample.directions)
+    of_observation = diffuse[sample.voxel_of]
+    brightness = np.minimum(of_observation / np.maximum(diffuse.mean(axis=0), DARKEST), 1.0)
+    fit = fit_material(
+        np.asarray(sample.colours / of_observation, np.float32),
+        np.asarray(lobes[..., :3] / of_observation[:, None], np.float32),
+        np.where(sample.clipped, np.float32(0.0), brightness),
+    )
+    return fit, lobes
+
+
+def _without_gloss(
+    sample: SurfaceSample, lobes: NDArray[np.float32], material: MaterialFit
+) -> NDArray[np.float32]:
+    """(V, 3): a low quantile of what each voxel shows beside its gloss; 1 where all is clipped."""
+    share = material.gloss * material.weight
+    rest = np.maximum(sample.colours - np.einsum("okc,k->oc", lobes[..., :3], share), 0.0)
+    rest = np.where(sample.clipped, np.float32(1.0), np.minimum(rest, np.float32(0.999)))
+    grid = np.sort(sample.spread(rest - 2.0), axis=1)
+    count = np.bincount(sample.voxel_of, minlength=len(sample.voxels))
+    rank = ((count - 1) * MATTE_QUANTILE).astype(np.int64)
+    return np.asarray(grid[np.arange(len(grid)), rank] + 2.0, np.float32)
+
+
+MATTE_QUANTILE = 2 * QUANTILE
+"""Higher than where the gloss is still there."""

@@ -1,0 +1,89 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The unknown light in patches: what each would add to the diffuse light on a surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.features.light.completion import LightPyramid, halved
+from reflest_core.fusion.light_map import ObservedLight
+from reflest_core.fusion.octahedral import octahedral_directions, octahedral_solid_angles
+
+EDGE = 6
+"""Patches along an edge of the octahedral map: 34 degrees each, in the mean."""
+PATCHES = EDGE * EDGE
+SIZE = 24
+"""Edge of the level of the light that is summed."""
+
+
+@dataclass(frozen=True)
+class DiffuseResponse:
+    """``E(n) / pi`` of V surface normals, in parts that add up; P patches.
+
+    ``seen``: (V, 3), of the light as it was seen, clipped pixels as white. ``unseen``: (V, P, 3),
+    of a smooth fill of each patch's unseen directions. ``excess``: (V, P), of radiance 1 above
+    white where each patch was seen clipped. All float32.
+    """
+
+    seen: NDArray[np.float32]
+    unseen: NDArray[np.float32]
+    excess: NDArray[np.float32]
+
+
+def diffuse_response(
+    light: ObservedLight, filled: LightPyramid, normals: NDArray[np.float32]
+) -> DiffuseResponse:
+    """How a surface with unit ``normals`` (V, 3) would answer to each part of the light.
+
+    ``filled``: the same light after pull and push. No visibility: the surface hides nothing.
+    """
+    seen = light.radiance * light.coverage[..., None]
+    while len(seen) > SIZE:
+        seen = halved(seen)
+    level = next(level for level in filled.levels if len(level) == SIZE)
+    added = np.maximum(level[..., :3] - seen, 0.0)
+    weights = cosine_weights(normals)
+    by_patch = weights[:, texels_of_patches()]
+    return DiffuseResponse(
+        seen=np.asarray(weights @ seen.reshape(-1, 3), np.float32),
+        unseen=_summed(by_patch, added.reshape(-1, 3)),
+        excess=_summed(by_patch, level[..., 4:].reshape(-1, 1))[..., 0],
+    )
+
+
+def cosine_weights(normals: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(V, SIZE * SIZE): share of each texel's radiance in ``E(n) / pi``; each row sums to 1."""
+    directions, angles = _sphere()
+    weights = np.maximum(normals @ directions.T, 0.0) * angles
+    return np.asarray(weights / weights.sum(axis=1, keepdims=True), np.float32)
+
+
+def patch_image(values: NDArray[np.float32], size: int) -> NDArray[np.float32]:
+    """Values of patches (P, C) as an octahedral map (size, size, C)."""
+    image = values.reshape(EDGE, EDGE, -1)
+    times = size // EDGE
+    return np.repeat(np.repeat(image, times, axis=0), times, axis=1)
+
+
+@cache
+def texels_of_patches() -> NDArray[np.int64]:
+    """(P, T) indices into the flattened level, T texels to a patch."""
+    times = SIZE // EDGE
+    indices = np.arange(SIZE * SIZE).reshape(EDGE, times, EDGE, times)
+    return indices.transpose(0, 2, 1, 3).reshape(PATCHES, times * times)
+
+
+def _summed(by_patch: NDArray[np.float32], texels: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(V, P, T) weights and (SIZE * SIZE, C) values to (V, P, C)."""
+    values = texels[texels_of_patches()]
+    return np.asarray((by_patch.transpose(1, 0, 2) @ values).transpose(1, 0, 2), np.float32)
+
+
+@cache
+def _sphere() -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    return octahedral_directions(SIZE).reshape(-1, 3), octahedral_solid_angles(SIZE).reshape(-1)
