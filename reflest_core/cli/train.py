@@ -8,13 +8,21 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from reflest_core.cli.light_options import (
+    add_light_options,
+    light_course,
+    light_recipe,
+    refuse_light_options,
+)
 from reflest_core.cli.recipe_options import add_recipe_options, changed_recipe
 from reflest_core.parameter import ParameterError
 
 if TYPE_CHECKING:
+    from reflest_core.training.course import Course
     from reflest_core.training.data import TrainingData
     from reflest_core.training.processes import Processes
     from reflest_core.training.recipe import Recipe
+    from reflest_core.training.starting_weights import StartingWeights
 
 
 def add_parser(subparsers: Any) -> None:
@@ -26,8 +34,9 @@ def add_parser(subparsers: Any) -> None:
         "minibatch among N processes.",
     )
     parser.add_argument(
-        "data", type=Path, help="folder written by 'reflest synbrdf generate', or by --pack"
-    )
+        "data", type=Path, nargs="+",
+        help="folders of 'reflest synbrdf generate', or of --pack; validation is the first's",
+    )  # fmt: skip
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--variant", help="a variant of Table 2, such as grouplet-rmse1-ec")
     what.add_argument("--all", action="store_true", help="all seven, each in OUT/<variant>")
@@ -35,7 +44,10 @@ def add_parser(subparsers: Any) -> None:
         "--pack", action="store_true",
         help="train nothing: write into OUT what training reads, a twelfth of the data's size",
     )  # fmt: skip
-    what.add_argument("--model", choices=("hemicnn", "grouplet"), help="with --loss and --lambda")
+    what.add_argument(
+        "--model", choices=("lightnet", "hemicnn", "grouplet"),
+        help="the latter two with --loss and --lambda",
+    )  # fmt: skip
     parser.add_argument("--loss", choices=("rmse1", "rmse2", "cuberoot"), help="default: rmse1")
     parser.add_argument(
         "--lambda", dest="colour_constancy", type=float, help="weight of E_c (Eq. 4); default: 0"
@@ -49,6 +61,7 @@ def add_parser(subparsers: Any) -> None:
         "where the loss is written in other parameters",
     )  # fmt: skip
     add_recipe_options(parser)
+    add_light_options(parser)
     parser.add_argument(
         "--realism", nargs="*", metavar="EFFECT",
         help="train on every scene a second time, with the faults of a real capture; "
@@ -73,18 +86,16 @@ def run(arguments: argparse.Namespace) -> int:
     keep_freed_memory()
     if arguments.threads:
         torch.set_num_threads(arguments.threads)
-    if arguments.variant or arguments.all:
-        for name in ("loss", "colour_constancy"):
-            if getattr(arguments, name) is not None:
-                raise ParameterError("--loss and --lambda go with --model: a variant has its own")
-    if arguments.all and arguments.start:
-        raise ParameterError("--from goes with one variant or --model: --all has two networks")
+    _refuse_contradictions(arguments)
     if arguments.pack:
         from reflest_core.training.data import pack
 
         pack(_load(arguments), arguments.out)
         return 0
     with joined_processes(arguments.device) as processes:
+        if arguments.model == "lightnet":
+            _train_lightnet(arguments, processes)
+            return 0
         data = _load(arguments)
         if not arguments.all:
             name = arguments.variant or arguments.model
@@ -95,6 +106,17 @@ def run(arguments: argparse.Namespace) -> int:
             recipe = variant.recipe(arguments.recipe)
             _train(arguments, recipe, data, folder, variant.name, processes)
     return 0
+
+
+def _refuse_contradictions(arguments: argparse.Namespace) -> None:
+    if arguments.variant or arguments.all:
+        for name in ("loss", "colour_constancy"):
+            if getattr(arguments, name) is not None:
+                raise ParameterError("--loss and --lambda go with --model: a variant has its own")
+    if arguments.all and arguments.start:
+        raise ParameterError("--from goes with one variant or --model: --all has two networks")
+    if arguments.model != "lightnet":
+        refuse_light_options(arguments)
 
 
 def _load(arguments: argparse.Namespace) -> TrainingData:
@@ -117,15 +139,53 @@ def _train(
     name: str,
     processes: Processes,
 ) -> None:
-    from reflest_core.training.starting_weights import StartingWeights
-    from reflest_core.training.trainer import RunFolder, Trainer
+    from reflest_core.training.surface_course import SurfaceCourse
 
-    recipe = changed_recipe(base, arguments, parts=processes.count)
+    recipe, start = _started(changed_recipe(base, arguments, parts=processes.count), arguments)
+    course = SurfaceCourse(recipe, data, processes.device)
+    _follow(course, len(data.training), arguments, folder, name, processes, start)
+
+
+def _train_lightnet(arguments: argparse.Namespace, processes: Processes) -> None:
+    from reflest_core.training.recipe import RECIPES
+
+    recipe = changed_recipe(RECIPES["lightnet"], arguments, parts=processes.count)
+    recipe, start = _started(light_recipe(recipe, arguments), arguments)
+    course = light_course(recipe, arguments, processes)
+    looks = len(course.data.training)
+    _follow(course, looks, arguments, arguments.out, "lightnet", processes, start)
+
+
+def _started(
+    recipe: Recipe, arguments: argparse.Namespace
+) -> tuple[Recipe, StartingWeights | None]:
+    """The recipe with what --from says, and the weights themselves."""
+    import dataclasses
+
+    from reflest_core.training.starting_weights import StartingWeights
+
+    if arguments.start is None:
+        return recipe, None
+    start = StartingWeights.read(arguments.start, recipe)
+    return dataclasses.replace(recipe, start=start.name), start
+
+
+def _follow(
+    course: Course[Any],
+    examples: int,
+    arguments: argparse.Namespace,
+    folder: Path,
+    name: str,
+    processes: Processes,
+    start: StartingWeights | None,
+) -> None:
+    from reflest_core.training.run_folder import RunFolder
+    from reflest_core.training.trainer import Trainer
+
     place = RunFolder(folder, name, arguments.validate_every, arguments.tensorboard)
     if processes.is_first:
-        print(f"training {name} on {len(data.training)} scenes: {recipe}", flush=True)
-    start = StartingWeights.read(arguments.start, recipe) if arguments.start else None
-    path = Trainer(recipe, data, place, processes, start).run()
+        print(f"training {name} on {examples} examples: {course.recipe}", flush=True)
+    path = Trainer(course, place, processes, start).run()
     if processes.is_first:
         print(f"weights: {path}", flush=True)
 

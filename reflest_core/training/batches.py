@@ -1,11 +1,10 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Minibatches on the training device, made ahead of the optimiser; each from its own seed."""
+"""Minibatches of scenes on the training device, each drawn from its own seed."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,12 +12,11 @@ import torch
 
 from reflest_core.features.grouplets import BRANCHES
 from reflest_core.models.network_kind import Inputs
+from reflest_core.training.ahead import made_ahead
 from reflest_core.training.batched_grouplets import batched_grouplets
 from reflest_core.training.batched_hemispheres import batched_hemispheres
 from reflest_core.training.drawn_scenes import DrawnScenes, SceneDrawer
 from reflest_core.training.recipe import Recipe
-
-AHEAD = 4
 
 
 @dataclass(frozen=True)
@@ -60,24 +58,12 @@ def joined(parts: Sequence[Batch]) -> Batch:
 def batches(
     drawer: SceneDrawer, recipe: Recipe, first: int, parts: Sequence[int] = (0,)
 ) -> Iterator[Batch]:
-    """The given ``parts`` of the minibatches from number ``first`` to the recipe's last.
-
-    On a CPU a second thread prepares them; a GPU's queue of kernels is ahead by itself.
-    """
+    """The given ``parts`` of the minibatches from number ``first`` to the recipe's last."""
 
     def draw(minibatch: int) -> Batch:
         return joined([draw_batch(drawer, recipe, minibatch, part) for part in parts])
 
-    if drawer.device.type != "cpu":
-        yield from map(draw, range(first, recipe.minibatches))
-        return
-    with ThreadPoolExecutor(1) as pool:
-        waiting: list[Future[Batch]] = []
-        upcoming = iter(range(first, recipe.minibatches))
-        for _ in range(first, recipe.minibatches):
-            while len(waiting) < AHEAD and (minibatch := next(upcoming, None)) is not None:
-                waiting.append(pool.submit(draw, minibatch))
-            yield waiting.pop(0).result()
+    return made_ahead(draw, range(first, recipe.minibatches), drawer.device)
 
 
 def _inputs(

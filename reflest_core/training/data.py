@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,17 +28,29 @@ class TrainingData:
     described: dict[str, Any]
 
 
-def load_training_data(folder: Path, degradation: Degradation | None = None) -> TrainingData:
-    """Train and validation scenes of a SynBRDF folder, or of one that :func:`pack` wrote.
+def load_training_data(
+    folders: Sequence[Path], degradation: Degradation | None = None
+) -> TrainingData:
+    """Train scenes of SynBRDF folders, or of such as :func:`pack` wrote; the first's validation.
 
     With ``degradation`` every training scene comes a second time, with faults; a packed folder
     has those that it was packed with.
     """
+    first = _load(folders[0], degradation)
+    if len(folders) == 1:
+        return first
+    parts = [first, *(_load(folder, degradation, is_first=False) for folder in folders[1:])]
+    training = [sample for part in parts for sample in part.training]
+    described = {**first.described, "also": [part.described for part in parts[1:]]}
+    return TrainingData(training, first.validation, described)
+
+
+def _load(folder: Path, degradation: Degradation | None, is_first: bool = True) -> TrainingData:
     if (folder / PACKED).is_file():
         described = json.loads((folder / PACKED).read_text())
         return TrainingData(_unpack(folder, "train"), _unpack(folder, "validation"), described)
     training = load_samples(folder, "train")
-    validation = load_samples(folder, "validation")
+    validation = load_samples(folder, "validation") if is_first else []
     manifest = json.loads((folder / MANIFEST).read_text())
     described = {
         "seed": manifest.get("seed"),

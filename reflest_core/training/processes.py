@@ -39,6 +39,15 @@ class Processes:
             )
         return range(self.rank, total, self.count)
 
+    @contextmanager
+    def first_alone(self) -> Iterator[None]:
+        """The first process goes through it before the others, so that it can make files."""
+        if not self.is_first:
+            distributed.barrier()
+        yield
+        if self.is_first and self.count > 1:
+            distributed.barrier()
+
 
 @contextmanager
 def joined_processes(device: str) -> Iterator[Processes]:

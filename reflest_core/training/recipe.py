@@ -31,7 +31,8 @@ class Recipe:
     shipped; 0 ships the last. ``precision``: ``float32`` or ``bfloat16`` of matrix products.
     ``validation_voxels``: of one scene in validation, as many as an estimate's.
     ``observations``: of one voxel in a minibatch, ``lightnet``'s alone; 0 takes all. ``without``:
-    the inputs that ``lightnet`` is trained not to see. ``largest_gradient``: longer ones are
+    what ``lightnet`` is trained without (:mod:`.light.ablation`). ``hold_out``: environments that
+    it never sees, so that it can be measured on them. ``largest_gradient``: longer ones are
     shortened to it; 0 leaves them. ``start``: the weights that training begins from, by name and
     hash.
     """
@@ -55,6 +56,7 @@ class Recipe:
     seed: int = 1
     observations: int = 0
     without: tuple[str, ...] = ()
+    hold_out: tuple[str, ...] = ()
     largest_gradient: float = 0.0
     start: str = ""
     augmentation: Augmentation = dataclasses.field(default_factory=Augmentation)
@@ -108,6 +110,10 @@ RECIPES = {
         "grouplet", "rmse1", "adam", 1e-3, 0.0, 30_000, 24, voxels=64, validation_voxels=354,
         warm_up=500, hold=0.0, average=0.999, precision="bfloat16",
         augmentation=Augmentation(spread=False),
+    ),
+    "lightnet": Recipe(
+        "lightnet", "likelihood", "adam", 3e-3, 0.0, 30_000, 32, voxels=32, validation_voxels=48,
+        warm_up=1000, hold=0.1, average=0.999, observations=8, largest_gradient=1.0,
     ),
 }  # fmt: skip
 """Ours: Adam, a rate that falls as a cosine all along, the running mean of the weights."""

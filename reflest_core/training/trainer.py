@@ -5,87 +5,49 @@
 from __future__ import annotations
 
 import copy
-import dataclasses
 import time
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Generic, TypeVar
 
 import numpy as np
 import torch
 from torch.nn.parallel import DistributedDataParallel
 from tqdm import tqdm
 
-from reflest_core.brdf.parameters import WardVariant
-from reflest_core.models.network_kind import NETWORKS
-from reflest_core.models.normalisation import ParameterStatistics
-from reflest_core.models.weights import WeightsCard, save_weights
-from reflest_core.training.batches import Batch, batches
 from reflest_core.training.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
-from reflest_core.training.data import TrainingData
-from reflest_core.training.drawn_scenes import SceneDrawer
-from reflest_core.training.objective import Objective
-from reflest_core.training.packed_scenes import PackedScenes
+from reflest_core.training.course import Course
 from reflest_core.training.processes import Processes
-from reflest_core.training.recipe import Recipe
+from reflest_core.training.run_folder import RunFolder
 from reflest_core.training.starting_weights import StartingWeights
 from reflest_core.training.training_log import Entry, TrainingLog
-from reflest_core.training.validation import Validation
 from reflest_core.training.weight_average import WeightAverage
 
-EIGHT_BIT = {"hemicnn": False, "grouplet": True}
-"""Grouplet meets the paper's size only in 8 bits (SPEC, Grouplet)."""
+B = TypeVar("B")
 
 
-@dataclass(frozen=True)
-class RunFolder:
-    """Where one training keeps its checkpoint, log and weights, ``<name>.safetensors``."""
-
-    path: Path
-    name: str
-    validate_every: int = 1000
-    tensorboard: bool = False
-
-    @property
-    def weights(self) -> Path:
-        """The weight file that a finished training leaves."""
-        return self.path / f"{self.name}.safetensors"
-
-
-class Trainer:
-    """Trains one network by one recipe in one folder, alone or as one of several processes."""
+class Trainer(Generic[B]):
+    """Follows one course in one folder, alone or as one of several processes."""
 
     def __init__(
         self,
-        recipe: Recipe,
-        data: TrainingData,
+        course: Course[B],
         folder: RunFolder,
         processes: Processes,
         start: StartingWeights | None = None,
     ) -> None:
-        torch.manual_seed(recipe.seed)
+        torch.manual_seed(course.recipe.seed)
         folder.path.mkdir(parents=True, exist_ok=True)
+        self.course, self.folder, self.processes = course, folder, processes
+        self.recipe = course.recipe
+        self.module = course.make()
         if start is not None:
-            recipe = dataclasses.replace(recipe, start=start.name)
-        self.recipe, self.data, self.folder, self.processes = recipe, data, folder, processes
-        device = processes.device
-        self.both_statistics = {kind: _statistics(data, kind) for kind in ("ward", "labcd")}
-        self.statistics = self.both_statistics[recipe.parameters]
-        self.objective = Objective(recipe, self.statistics, device)
-        self.module = NETWORKS[recipe.network].make().to(device)
-        if start is not None:
-            start.put_into(self.module, recipe)
-        self.optimiser = recipe.make_optimiser(self.module)
-        packed = PackedScenes.of(data.training).to(device)
-        self.drawer = SceneDrawer(packed, recipe.augmentation)
+            start.put_into(self.module, self.recipe)
+        self.optimiser = self.recipe.make_optimiser(self.module)
         if processes.is_first:
-            self.validation = Validation(data.validation, recipe, self.statistics, device)
             self.log = TrainingLog(folder.path, folder.tensorboard)
 
     def run(self) -> Path:
-        """Train on from the folder's checkpoint to the end; return the weight file.
-
-        The same weights unquantised stand beside it as ``<name>-float32.safetensors``.
-        """
+        """Train on from the folder's checkpoint to the end; return the weight file."""
         state = self._resume()
         device = self.processes.device
         started_from = {name: tensor.to(device) for name, tensor in state.average.items()}
@@ -100,7 +62,7 @@ class Trainer:
         )
         losses: list[torch.Tensor] = []
         started = time.monotonic()
-        for batch in batches(self.drawer, self.recipe, state.minibatch, parts):
+        for batch in self.course.batches(state.minibatch, parts):
             losses.append(self._step(network, batch, state.minibatch))
             state.minibatch += 1
             average.update(self.module.state_dict(), state.minibatch)
@@ -111,7 +73,9 @@ class Trainer:
                 bar.set_postfix(best=f"{state.best_rmse:.3f}")
                 losses, started = [], time.monotonic()
         bar.close()
-        return self._write_weights(state) if self.processes.is_first else self.folder.weights
+        if self.processes.is_first:
+            self.course.save(state.best, self.folder)
+        return self.folder.weights
 
     def _is_due(self, minibatch: int) -> bool:
         every = self.folder.validate_every
@@ -128,25 +92,32 @@ class Trainer:
         self.optimiser.load_state_dict(found.optimiser)
         return found
 
-    def _step(self, network: torch.nn.Module, batch: Batch, minibatch: int) -> torch.Tensor:
+    def _step(self, network: torch.nn.Module, batch: B, minibatch: int) -> torch.Tensor:
         for group in self.optimiser.param_groups:
             group["lr"] = self.recipe.learning_rate_at(minibatch)
         self.optimiser.zero_grad()
-        reduced = self.recipe.precision == "bfloat16"
-        with torch.autocast(self.processes.device.type, torch.bfloat16, enabled=reduced):
-            scores = network(*batch.inputs)
-        loss = self.objective(scores.float(), batch)
+        torch.manual_seed(self._seed_of(minibatch))
+        loss = self.course.loss(network, batch)
         loss.backward()  # type: ignore[no-untyped-call]
+        if self.recipe.largest_gradient > 0:
+            weights = self.module.parameters()
+            torch.nn.utils.clip_grad_norm_(weights, self.recipe.largest_gradient)
         self.optimiser.step()
         return loss.detach()
+
+    def _seed_of(self, minibatch: int) -> int:
+        """Of what a network leaves to chance, so that a resumed training does as a whole one."""
+        numbers = [self.recipe.seed, minibatch, self.processes.rank]
+        return int(np.random.SeedSequence(numbers).generate_state(1)[0])
 
     def _validate(
         self, state: Checkpoint, average: WeightAverage, loss: float, rate: float
     ) -> None:
         """Measure the mean weights, keep the best of them, log, and save a checkpoint."""
-        measured = NETWORKS[self.recipe.network].make().to(self.processes.device)
+        measured = self.course.make()
         measured.load_state_dict(average.mean)
-        rmse = self.validation.rmse(measured)
+        measured.eval()
+        rmse = self.course.rmse(measured)
         state.module, state.optimiser = self.module.state_dict(), self.optimiser.state_dict()
         state.average = average.mean
         if rmse < state.best_rmse:
@@ -154,21 +125,3 @@ class Trainer:
         learning_rate = self.recipe.learning_rate_at(state.minibatch - 1)
         self.log.write(Entry(state.minibatch, loss, rmse, learning_rate, rate))
         save_checkpoint(self.folder.path / "checkpoint.pt", state, self.recipe)
-
-    def _write_weights(self, state: Checkpoint) -> Path:
-        recipe = {**self.recipe.describe(), "data": self.data.described}
-        card = WeightsCard(
-            self.recipe.network,
-            self.recipe.parameters,
-            WardVariant.WARD_1992,
-            self.both_statistics,
-            recipe,
-        )
-        exact = self.folder.path / f"{self.folder.name}-float32.safetensors"
-        save_weights(exact, state.best, card, eight_bit=False)
-        save_weights(self.folder.weights, state.best, card, EIGHT_BIT[self.recipe.network])
-        return self.folder.weights
-
-
-def _statistics(data: TrainingData, kind: str) -> ParameterStatistics:
-    return ParameterStatistics.of(np.stack([s.parameters(kind) for s in data.training]))

@@ -7,18 +7,16 @@ import pytest
 
 pytest.importorskip("mitsuba")
 
-from reflest_core.features.light.shading import OBSERVATIONS
 from reflest_core.models.lightnet import VOXELS
 from reflest_core.synbrdf.generate import generate
 from reflest_core.synbrdf.generation import Generation
 from reflest_core.synbrdf.process_pool import process_pool
-from reflest_core.synbrdf.scene_file import load_scenes, sha256
+from reflest_core.synbrdf.scene_file import load_scenes, save_shard, sha256
+from reflest_core.training.light import look_plan
+from reflest_core.training.light.look_plan import MEASURED_VIEWS, LookPlan
 from reflest_core.training.light.shaded_scene import SceneDraw, shaded, training_draw
-from reflest_core.training.light.shading_shards import (
-    HELD_OUT_VIEWS,
-    load_shadings,
-    make_shadings,
-)
+from reflest_core.training.light.shading_shards import make_shadings
+from reflest_core.training.light.shadings import load_shadings
 from reflest_core.training.sample import TrainingError
 
 
@@ -30,38 +28,72 @@ def data(tmp_path_factory):
     return folder
 
 
+TRAIN = LookPlan("train", varied=3)
+
+
 def test_looks_come_back_with_their_truth_and_a_lost_file_is_made_again(data, tmp_path):
-    make_shadings(data, tmp_path, "train", looks=3, jobs=1)
-    looks = load_shadings([tmp_path], "train")
+    looks = load_shadings(make_shadings(data, TRAIN, tmp_path, jobs=1))
     assert len(looks) == 6
     assert looks.scene.tolist() == [0, 0, 0, 1, 1, 1]
-    assert looks.arrays["apparent"].shape == (6, VOXELS, OBSERVATIONS, 3)
+    assert looks.arrays["apparent"].shape[:2] == (6, VOXELS)
     for scene in load_scenes(data, "train"):
         truth = [*scene.truth.rho_d, scene.truth.rho_s, scene.truth.alpha]
         np.testing.assert_allclose(looks.ward[looks.scene == scene.index], [truth] * 3, rtol=1e-6)
-    (shard,) = tmp_path.glob("train-*")
     before = {name: array.copy() for name, array in looks.arrays.items()}
+    (shard,) = tmp_path.rglob("train-*.safetensors")
     shard.unlink()
-    make_shadings(data, tmp_path, "train", looks=3, jobs=1)
-    for name, array in load_shadings([tmp_path], "train").arrays.items():
+    again = load_shadings(make_shadings(data, TRAIN, tmp_path, jobs=1))
+    for name, array in again.arrays.items():
         np.testing.assert_array_equal(array, before[name])
 
 
 def test_what_is_there_is_left_alone(data, tmp_path):
-    make_shadings(data, tmp_path, "validation", looks=1, jobs=1)
-    looks = load_shadings([tmp_path], "validation")
-    assert looks.views.tolist() == list(HELD_OUT_VIEWS)
-    (shard,) = tmp_path.glob("validation-*")
+    plan = LookPlan("validation")
+    (shard,) = make_shadings(data, plan, tmp_path, jobs=1)
+    assert load_shadings([shard]).views.tolist() == list(MEASURED_VIEWS)
     written, digest = shard.stat().st_mtime_ns, sha256(shard)
-    make_shadings(data, tmp_path, "validation", looks=1, jobs=1)
+    make_shadings(data, plan, tmp_path, jobs=1)
     assert (shard.stat().st_mtime_ns, sha256(shard)) == (written, digest)
+
+
+def test_shadings_of_other_code_or_other_scenes_are_refused(data, tmp_path, monkeypatch):
+    out = tmp_path / "shadings"
+    make_shadings(data, TRAIN, out, jobs=1)
+    with monkeypatch.context() as patch:
+        patch.setattr(look_plan, "source_fingerprint", lambda parts: "of other code")
+        with pytest.raises(TrainingError, match="made by other code, with other settings"):
+            make_shadings(data, TRAIN, out, jobs=1)
+    other = tmp_path / data.name
+    other.mkdir()
+    scenes = list(load_scenes(data, "train"))
+    save_shard(other / "train-00000.safetensors", scenes[:1])
+    with pytest.raises(TrainingError, match="of other scenes; delete"):
+        make_shadings(other, TRAIN, out, jobs=1)
+
+
+def test_a_damaged_shading_is_named(data, tmp_path):
+    (shard,) = make_shadings(data, TRAIN, tmp_path, jobs=1)
+    shard.write_bytes(b"not safetensors")
+    with pytest.raises(TrainingError, match=rf"{shard.name} is damaged"):
+        make_shadings(data, TRAIN, tmp_path, jobs=1)
+
+
+def test_only_looks_under_the_chosen_light_are_made_and_loaded(data, tmp_path):
+    scenes = list(load_scenes(data, "train"))
+    chosen = scenes[1].environment
+    assert scenes[0].environment != chosen
+    held_out = load_shadings(make_shadings(data, LookPlan("train", only=(chosen,)), tmp_path, 1))
+    assert set(held_out.environment) == {chosen}
+    paths = make_shadings(data, TRAIN, tmp_path, jobs=1)
+    rest = load_shadings(paths, lambda card: card.environment != chosen)
+    assert rest.scene.tolist() == [0, 0, 0]
+    with pytest.raises(TrainingError, match="no scene to look at"):
+        load_shadings(paths, lambda card: False)
 
 
 def test_a_split_that_is_not_there_is_named(data, tmp_path):
     with pytest.raises(TrainingError, match="unseen"):
-        make_shadings(data, tmp_path, "unseen", looks=1, jobs=1)
-    with pytest.raises(TrainingError, match="train"):
-        load_shadings([tmp_path], "train")
+        make_shadings(data, LookPlan("unseen"), tmp_path, jobs=1)
 
 
 def test_fewer_views_know_less_of_the_light(data):
@@ -88,4 +120,5 @@ def test_training_looks_differ_in_views_exposure_and_faults():
     assert views.min() < 10
     assert views.max() <= 100
     assert 0.3 < np.mean([draw.realism is not None for draw in draws]) < 0.7
+    assert 0.8 < np.mean([draw.sees_light for draw in draws]) < 1.0
     assert np.std(np.log([draw.exposure for draw in draws])) == pytest.approx(0.25, abs=0.05)

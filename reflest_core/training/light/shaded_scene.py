@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.features.light.shading import Shading, shading
+from reflest_core.features.light.shading import Shading
+from reflest_core.features.light.surface_shading import surface_shading
 from reflest_core.features.voxel_choice import choose_voxels
 from reflest_core.models.lightnet import VOXELS
 from reflest_core.synbrdf.exposure import expose
@@ -21,6 +22,8 @@ from reflest_core.synbrdf.scene_light import scene_light
 from reflest_core.training.augmentation import keep_views
 
 FEWEST_VOXELS = 3
+WITHOUT_BACKGROUND = 0.04
+"""Share of training's looks in which the object fills every frame."""
 
 
 @dataclass(frozen=True)
@@ -28,12 +31,13 @@ class SceneDraw:
     """How one look at a scene is drawn.
 
     ``views``: how many. ``exposure``: factor to the scene's own. ``realism``: faults of a real
-    capture, or none.
+    capture, or none. ``sees_light``: False where no frame shows any background.
     """
 
     views: int
     exposure: float = 1.0
     realism: Realism | None = None
+    sees_light: bool = True
 
 
 def training_draw(rng: np.random.Generator) -> SceneDraw:
@@ -41,7 +45,8 @@ def training_draw(rng: np.random.Generator) -> SceneDraw:
     few = rng.uniform() < 0.5
     views = int(np.exp(rng.uniform(np.log(5), np.log(101)))) if few else int(rng.integers(20, 101))
     exposure = float(np.exp(rng.normal(0.0, 0.25)))
-    return SceneDraw(views, exposure, Realism() if rng.uniform() < 0.5 else None)
+    realism = Realism() if rng.uniform() < 0.5 else None
+    return SceneDraw(views, exposure, realism, bool(rng.uniform() >= WITHOUT_BACKGROUND))
 
 
 def shaded(scene: SynbrdfScene, draw: SceneDraw, rng: np.random.Generator) -> Shading | None:
@@ -51,11 +56,12 @@ def shaded(scene: SynbrdfScene, draw: SceneDraw, rng: np.random.Generator) -> Sh
         scene = degrade(scene, draw.realism, rng)
     count = len(scene.surface.view_centres)
     views = np.sort(rng.permutation(count)[: min(draw.views, count)])
-    surface = keep_views(scene.surface, views)
+    light = scene_light(scene, views) if draw.sees_light else None
+    surface = dataclasses.replace(keep_views(scene.surface, views), light=light)
     voxels = choose_voxels(surface, VOXELS)
     if len(voxels) < FEWEST_VOXELS:
         return None
-    return shading(surface, scene_light(scene, views), voxels)
+    return surface_shading(surface, voxels)
 
 
 def _exposed(scene: SynbrdfScene, factor: float) -> SynbrdfScene:

@@ -16,8 +16,10 @@ from reflest_core.training.augmentation import Augmentation
 from reflest_core.training.data import TrainingData
 from reflest_core.training.processes import Processes
 from reflest_core.training.recipe import PAPER_RECIPES
+from reflest_core.training.run_folder import RunFolder
 from reflest_core.training.sample import TrainingError
-from reflest_core.training.trainer import RunFolder, Trainer
+from reflest_core.training.surface_course import SurfaceCourse
+from reflest_core.training.trainer import Trainer
 from reflest_core.training.weight_average import WeightAverage
 from test.core.training.scenes import learnable_samples
 
@@ -36,7 +38,8 @@ def recipe(network="hemicnn", **changes):
 
 def train(folder, validate_every=1000, tensorboard=False, **changes):
     place = RunFolder(folder, "weights", validate_every, tensorboard)
-    return Trainer(recipe(**changes), DATA, place, ALONE).run()
+    course = SurfaceCourse(recipe(**changes), DATA, ALONE.device)
+    return Trainer(course, place, ALONE).run()
 
 
 def read_log(folder):

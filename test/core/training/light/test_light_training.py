@@ -9,12 +9,20 @@ import numpy as np
 import pytest
 import torch
 
+from reflest_core.features.light.surface_shading import surface_shading
 from reflest_core.models.lightnet import VOXELS, LightNet
 from reflest_core.models.weights import load_weights
 from reflest_core.training.light.light_batches import varied_looks, whole_looks
-from reflest_core.training.light.light_trainer import LIGHT_RECIPE, LightData, LightTrainer
+from reflest_core.training.light.light_course import LightCourse
+from reflest_core.training.light.light_data import LightData
 from reflest_core.training.light.likelihood import SQUARED_SHARE, likelihood_loss
-from reflest_core.training.light.shading_shards import Shadings
+from reflest_core.training.light.shading_axes import AXES
+from reflest_core.training.light.shadings import Shadings
+from reflest_core.training.processes import Processes
+from reflest_core.training.recipe import RECIPES
+from reflest_core.training.run_folder import RunFolder
+from reflest_core.training.trainer import Trainer
+from test.core.surfaces import sphere_surface
 
 SLOTS, K, TRUE = 12, 8, 3
 
@@ -40,10 +48,12 @@ def made_looks(count, seed):
         "diffuse_light": rng.uniform(0.2, 0.6, (count, VOXELS, 3)),
         "diffuse_seen": rng.uniform(size=(count, VOXELS)),
         "diffuse_clipped": rng.uniform(0.0, 0.1, (count, VOXELS)),
-        "voxel_fit": rng.normal(size=(count, VOXELS, 3, K, 3)),
-        "scene_fit": rng.normal(size=(count, 3, K, 3)),
         "zones": rng.uniform(0.0, 1.0, (count, 8, 5)),
     }  # fmt: skip
+    surface = sphere_surface(VOXELS, 30)
+    look = surface_shading(surface, np.arange(VOXELS))
+    for name in AXES.keys() - arrays.keys():
+        arrays[name] = rng.normal(size=(count, *getattr(look, name).shape))
     as_stored = {n: a if a.dtype == bool else a.astype(np.float16) for n, a in arrays.items()}
     many = np.full(count, 100)
     return Shadings(as_stored, ward, many, np.arange(count), np.full(count, "sky-0"))
@@ -81,24 +91,30 @@ def test_the_loss_is_a_weighted_gaussian_likelihood():
     assert log_variance.grad.item() == pytest.approx(0.0, abs=1e-6)  # 4 is the variance seen
 
 
-RECIPE = dataclasses.replace(LIGHT_RECIPE, minibatches=6, batch_size=4, warm_up=1)
+RECIPE = dataclasses.replace(RECIPES["lightnet"], minibatches=6, batch_size=4, warm_up=1)
+ALONE = Processes(0, 1, torch.device("cpu"))
+
+
+def trainer(folder, data, recipe=RECIPE, calibration=None, every=3):
+    course = LightCourse(recipe, data, ALONE.device, calibration)
+    return Trainer(course, RunFolder(folder, "lightnet", every), ALONE)
 
 
 def test_a_killed_training_goes_on_to_the_same_weights(tmp_path):
     data = LightData(made_looks(12, 0), made_looks(5, 1))
-    whole = LightTrainer(RECIPE, data, tmp_path / "whole", validate_every=3).run()
-    killed = LightTrainer(RECIPE, data, tmp_path / "killed", validate_every=3)
+    whole = trainer(tmp_path / "whole", data).run()
+    killed = trainer(tmp_path / "killed", data)
     take_step = killed._step
 
-    def killed_at_five(minibatch):
+    def killed_at_five(network, batch, minibatch):
         if minibatch == 4:
             raise KeyboardInterrupt
-        return take_step(minibatch)
+        return take_step(network, batch, minibatch)
 
     killed._step = killed_at_five
     with pytest.raises(KeyboardInterrupt):
         killed.run()
-    again = LightTrainer(RECIPE, data, tmp_path / "killed", validate_every=3).run()
+    again = trainer(tmp_path / "killed", data).run()
     for name, tensor in load_weights(whole)[0].items():
         np.testing.assert_array_equal(load_weights(again)[0][name], tensor)
 
@@ -107,10 +123,10 @@ def test_it_learns_what_the_looks_tell(tmp_path):
     """From exact looks, the truth: far better than the mean after a few hundred minibatches."""
     data = LightData(made_looks(200, 0), made_looks(50, 1))
     recipe = dataclasses.replace(RECIPE, minibatches=150, batch_size=16, voxels=8, warm_up=10)
-    trainer = LightTrainer(recipe, data, tmp_path, validate_every=150)
-    trainer.run()
-    rmse = float(trainer.log.path.read_text().splitlines()[-1].split(",")[2])
+    path = trainer(tmp_path, data, recipe, every=150).run()
+    rmse = float((tmp_path / "log.csv").read_text().splitlines()[-1].split(",")[2])
     assert rmse < 0.8
+    assert path.stat().st_size < 340_000
 
 
 def test_padding_is_never_looked_at():

@@ -1,0 +1,62 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""What ``lightnet`` can be trained and measured without, to see what each part buys."""
+
+from __future__ import annotations
+
+import math
+
+import torch
+
+from reflest_core.training.light.shading_axes import AXES
+from reflest_core.training.sample import TrainingError
+
+Look = dict[str, torch.Tensor]
+"""The arguments of ``LightNet.forward``, batched."""
+
+PARTS = {
+    "light": "where light comes from: F, B and the observations alone are left",
+    "fit": "fits of roughness and albedo to voxels and to the scene",
+    "shares": "how much of the light was seen, and how much of that was clipped",
+    "uncertainty": "the likelihood: the loss is the plain squared error",
+}
+"""The names of the parts, and what each is."""
+
+SHARES = ("lobe_seen", "lobe_clipped", "diffuse_seen", "diffuse_clipped")
+
+
+def check_parts(without: tuple[str, ...]) -> None:
+    """Raise :class:`TrainingError` for a part that there is not."""
+    for part in without:
+        if part not in PARTS:
+            raise TrainingError(
+                f"lightnet has no part {part!r} to do without; choose of {', '.join(PARTS)}"
+            )
+
+
+def hide(look: Look, without: tuple[str, ...]) -> None:
+    """Take the named parts out of ``look``, in place."""
+    if "light" in without:
+        _hide_directions(look)
+    if "fit" in without or "light" in without:
+        for name in (name for name, axes in AXES.items() if "F" in axes):
+            look[name] = torch.zeros_like(look[name])
+    if "shares" in without or "light" in without:
+        for name in SHARES:
+            look[name] = torch.zeros_like(look[name])
+        look["zones"] = torch.cat(
+            [look["zones"][..., :3], torch.zeros_like(look["zones"][..., 3:])], dim=-1
+        )
+
+
+def _hide_directions(look: Look) -> None:
+    """Colours beside the mean background, where they were beside each voxel's own light."""
+    zones = look["zones"]
+    polar = (torch.arange(zones.shape[1], device=zones.device) + 0.5) * math.pi / zones.shape[1]
+    weight = zones[..., 3:4] * polar.sin()[:, None]
+    seen = (zones[..., :3] * weight).sum(1) / weight.sum(1).clamp(min=1e-6)
+    background = seen.clamp(min=1e-4)[:, None]  # (B, 1, 3)
+    look["apparent"] = look["apparent"] * (look["diffuse_light"] / background)[:, :, None]
+    look["diffuse_light"] = background.expand_as(look["diffuse_light"])
+    look["lobe"] = torch.zeros_like(look["lobe"])
+    look["zones"] = torch.cat([background.expand_as(zones[..., :3]), zones[..., 3:]], dim=-1)

@@ -1,0 +1,110 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Teaching ``lightnet``: from looks whose light is known in part, to say how sure it is."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import torch
+
+from reflest_core.brdf.gloss import ward_to_labcd
+from reflest_core.brdf.parameters import WardVariant
+from reflest_core.models.lightnet import LightNet
+from reflest_core.models.normalisation import WARD_NAMES, ParameterStatistics
+from reflest_core.models.weights import WeightsCard, save_weights
+from reflest_core.training.light.ablation import check_parts
+from reflest_core.training.light.calibration import Calibration
+from reflest_core.training.light.light_batches import LightBatch, light_batches
+from reflest_core.training.light.light_data import LightData
+from reflest_core.training.light.likelihood import likelihood_loss
+from reflest_core.training.light.measured_looks import MeasuredLooks
+from reflest_core.training.light.shadings import Shadings
+from reflest_core.training.recipe import Recipe
+from reflest_core.training.run_folder import RunFolder
+from reflest_core.training.weight_average import Weights
+
+FIGURES = "held_out.json"
+
+
+class LightCourse:
+    """A :class:`~reflest_core.training.course.Course` for ``lightnet``.
+
+    ``calibration``: another run's; without, it is found on the held-out looks, where there are any.
+    """
+
+    def __init__(
+        self,
+        recipe: Recipe,
+        data: LightData,
+        device: torch.device,
+        calibration: Calibration | None = None,
+    ) -> None:
+        check_parts(recipe.without)
+        self.recipe, self.data, self.device = recipe, data, device
+        self.calibration = calibration
+        ward = data.training.ward.astype(np.float64)
+        labcd = np.stack([ward_to_labcd(one) for one in ward])
+        self.both_statistics = {
+            "ward": ParameterStatistics.of(ward), "labcd": ParameterStatistics.of(labcd)
+        }  # fmt: skip
+        self.statistics = self.both_statistics["ward"]
+        self._mean, self._stddev = (
+            torch.from_numpy(values).float().to(device)
+            for values in (self.statistics.mean, self.statistics.stddev)
+        )
+
+    def make(self) -> torch.nn.Module:
+        """An untrained network."""
+        return LightNet().to(self.device)
+
+    def batches(self, first: int, parts: Sequence[int]) -> Iterator[LightBatch]:
+        """See :func:`~reflest_core.training.light.light_batches.light_batches`."""
+        return light_batches(self.data.training, self.recipe, first, parts, self.device)
+
+    def loss(self, network: torch.nn.Module, batch: LightBatch) -> torch.Tensor:
+        """The likelihood of the truth, or its squared error without the uncertainty."""
+        means, log_variances = network(**batch.look)
+        truth = (batch.ward - self._mean) / self._stddev
+        if "uncertainty" in self.recipe.without:
+            # All outputs take part, as processes that train together ask for.
+            squared: torch.Tensor = ((means - truth) ** 2).mean() + 0.0 * log_variances.sum()
+            return squared
+        return likelihood_loss(means, log_variances, truth)
+
+    def rmse(self, module: torch.nn.Module) -> float:
+        """See :attr:`MeasuredLooks.criterion`."""
+        return self._measured(module, self.data.validation).criterion
+
+    def save(self, best: Weights, folder: RunFolder) -> None:
+        """The weight file, calibrated, and its figures as :data:`FIGURES`."""
+        module = self.make()
+        module.load_state_dict(best)
+        module.eval()
+        splits = {"validation": self._measured(module, self.data.validation)}
+        if self.data.held_out is not None:
+            splits["held_out"] = self._measured(module, self.data.held_out)
+        calibration = self.calibration or Calibration()
+        if self.calibration is None and "held_out" in splits:
+            calibration = Calibration.of(splits["held_out"])
+        described = {**self.recipe.describe(), "data": self.data.described}
+        card = WeightsCard(
+            "lightnet", "ward", WardVariant.WARD_1992, self.both_statistics, described,
+            calibration.factors, calibration.correlation,
+        )  # fmt: skip
+        save_weights(folder.weights, best, card, eight_bit=False)
+        factors = calibration.factors
+        figures = {
+            "parameters": WARD_NAMES,
+            "recipe": described,
+            "stddev_factors": factors.tolist(),
+            "splits": {
+                name: measured.figures(calibration.factors) for name, measured in splits.items()
+            },
+        }
+        (folder.path / FIGURES).write_text(json.dumps(figures, indent=1) + "\n")
+
+    def _measured(self, module: torch.nn.Module, looks: Shadings) -> MeasuredLooks:
+        return MeasuredLooks.of(module, looks, self.statistics, self.recipe.without, self.device)

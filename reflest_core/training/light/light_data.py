@@ -1,0 +1,92 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Looks to train ``lightnet`` on, to choose weights by, and to calibrate it on."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from reflest_core.synbrdf.scene_file import MANIFEST, SceneFileError
+from reflest_core.synbrdf.source_fingerprint import source_fingerprint
+from reflest_core.training.light.look_plan import SOURCES, LookPlan
+from reflest_core.training.light.shading_file import LookCard
+from reflest_core.training.light.shading_shards import make_shadings
+from reflest_core.training.light.shadings import Shadings, load_shadings
+from reflest_core.training.sample import TrainingError
+
+
+@dataclass(frozen=True)
+class LightData:
+    """``held_out``: looks under environments of which training saw nothing; None without any.
+
+    ``described``: what the card says of them.
+    """
+
+    training: Shadings
+    validation: Shadings
+    held_out: Shadings | None = None
+    described: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class ShadingPlace:
+    """``folder`` of the shadings, which runs may share, and processes to make them in."""
+
+    folder: Path
+    jobs: int
+
+
+def load_light_data(
+    folders: list[Path], looks: int, hold_out: tuple[str, ...], place: ShadingPlace
+) -> LightData:
+    """Shade what is not shaded yet, and load it.
+
+    Every one of the data ``folders`` gives training scenes, with ``looks`` looks at each;
+    validation and held-out looks are at scenes of the first alone, so that adding a folder leaves
+    what is measured as it is. Held-out looks are at its training scenes.
+    """
+    seeds = {folder.resolve().name: _manifest(folder).get("seed") for folder in folders}
+
+    def is_known(card: LookCard) -> bool:
+        return not set(card.environment.split("+")) & set(hold_out)
+
+    paths = [
+        path
+        for folder in folders
+        for path in make_shadings(folder, LookPlan("train", looks), place.folder, place.jobs)
+    ]
+    validation = make_shadings(folders[0], LookPlan("validation"), place.folder, place.jobs)
+    training = load_shadings(paths, is_known)
+    return LightData(
+        training,
+        load_shadings(validation, is_known),
+        _held_out(folders[0], hold_out, place) if hold_out else None,
+        {
+            "seeds": seeds,
+            "train_looks": len(training),
+            "looks_a_scene": looks,
+            "shading_code": source_fingerprint(SOURCES),
+        },
+    )
+
+
+def _held_out(folder: Path, hold_out: tuple[str, ...], place: ShadingPlace) -> Shadings:
+    known = _manifest(folder).get("environments", [])
+    for name in hold_out:
+        if name not in known:
+            raise TrainingError(
+                f"{folder} has no environment {name!r} to hold out; choose of {', '.join(known)}"
+            )
+    plan = LookPlan("train", only=hold_out)
+    return load_shadings(make_shadings(folder, plan, place.folder, place.jobs))
+
+
+def _manifest(folder: Path) -> dict[str, Any]:
+    path = folder / MANIFEST
+    if not path.is_file():
+        raise SceneFileError(f"{folder} has no {MANIFEST}; make it with 'reflest synbrdf generate'")
+    manifest: dict[str, Any] = json.loads(path.read_text())
+    return manifest

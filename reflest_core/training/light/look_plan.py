@@ -1,0 +1,65 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Which looks at which scenes are shaded, and by which code."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from reflest_core.models.lightnet import VOXELS
+from reflest_core.synbrdf.source_fingerprint import source_fingerprint
+from reflest_core.training.light.shaded_scene import SceneDraw, training_draw
+from reflest_core.training.light.shading_axes import AXES
+
+MEASURED_VIEWS = (100, 30, 10)
+"""A scene that is measured is looked at with so many of its views, as they are."""
+SOURCES = (
+    "brdf", "features/light", "features/voxel_choice.py", "features/tangent_frame.py",
+    "fusion/light_map.py", "fusion/octahedral.py", "fusion/thinning.py", "synbrdf/realism",
+    "synbrdf/exposure.py", "synbrdf/scene_light.py", "synbrdf/thumbnails.py",
+    "training/augmentation.py", "training/light/look_plan.py", "training/light/shaded_scene.py",
+    "training/light/shading_file.py",
+)  # fmt: skip
+"""The code that decides what a look shows, files and folders of ``reflest_core``."""
+
+
+@dataclass(frozen=True)
+class LookPlan:
+    """Looks at the scenes of ``split``.
+
+    ``varied``: how many looks at each scene, with views, exposure and faults as
+    :func:`training_draw` has them; 0: one for each of :data:`MEASURED_VIEWS`. ``only``: of scenes
+    under one of these environments unmixed; of all scenes where it is empty.
+    """
+
+    split: str
+    varied: int = 0
+    only: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """Of the folder that its shadings are in."""
+        kind = f"{self.varied}-looks" if self.varied else "measured"
+        if not self.only:
+            return f"{self.split}-{kind}"
+        names = hashlib.sha256(" ".join(self.only).encode()).hexdigest()
+        return f"{self.split}-{kind}-only-{names[:8]}"
+
+    def takes(self, environment: str) -> bool:
+        """Whether a scene under ``environment`` is looked at."""
+        return not self.only or environment in self.only
+
+    def draws(self, index: int) -> Iterator[tuple[SceneDraw, np.random.Generator]]:
+        """The looks at scene ``index``: always the same ones."""
+        for number in range(self.varied or len(MEASURED_VIEWS)):
+            rng = np.random.default_rng([index, number])
+            yield training_draw(rng) if self.varied else SceneDraw(MEASURED_VIEWS[number]), rng
+
+    def fingerprint(self, scenes: str) -> str:
+        """Hash (hex) of this plan, of the code that follows it and of the ``scenes``' cards."""
+        decided = f"{self} {VOXELS} {sorted(AXES)} {source_fingerprint(SOURCES)} {scenes}"
+        return hashlib.sha256(decided.encode()).hexdigest()
