@@ -10,9 +10,12 @@ from typing import Any
 
 from reflest_core.parameter import ParameterError
 
-ALL_PARTS = ("table-2", "views", "latency", "eight-bit", "baselines", "perception", "quick")
+ALL_PARTS = (
+    "table-2", "views", "calibration", "failures", "ablation", "realism", "latency",
+    "time-accuracy", "eight-bit", "baselines", "perception", "quick",
+)  # fmt: skip
 
-OPTIMISED = 40
+OPTIMISED = 8
 """Scenes of each split, about ten seconds each on an idle core."""
 
 
@@ -30,14 +33,18 @@ def add_parser(subparsers: Any) -> None:
     )  # fmt: skip
     parser.add_argument("--out", type=Path, help="folder for records, page, plots and pictures")
     parser.add_argument(
-        "--parts", nargs="*", choices=ALL_PARTS, default=list(ALL_PARTS), metavar="PART",
-        help=f"which to measure, of {', '.join(ALL_PARTS)}; none: write the page alone",
+        "--parts", nargs="*", choices=ALL_PARTS, metavar="PART",
+        help=f"which to measure, of {', '.join(ALL_PARTS)}; none: write the page alone; default: "
+        "all, but ablation only with --ablation",
     )  # fmt: skip
     parser.add_argument(
         "--runs", type=Path, help="folder of trained variants; default: the shipped weights"
     )
     parser.add_argument(
         "--environments", type=Path, help="the data set's, to look at materials in unseen ones"
+    )
+    parser.add_argument(
+        "--meshes", type=Path, help="the data set's, to render scenes that fail again"
     )
     parser.add_argument("--limit", type=int, help="first so many scenes of each split")
     parser.add_argument(
@@ -46,6 +53,10 @@ def add_parser(subparsers: Any) -> None:
         default=OPTIMISED,
         help=f"scenes of each split that the slow baseline gets; default: {OPTIMISED}",
     )
+    parser.add_argument(
+        "--ablation", type=Path, metavar="FOLDER",
+        help="trainings of lightnet with --hold-out, with and without --without",
+    )  # fmt: skip
     parser.add_argument(
         "--realism", nargs="*", metavar="EFFECT", help="give scenes the faults of a real capture"
     )
@@ -59,7 +70,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.data is None or arguments.out is None:
         raise ParameterError("reflest evaluate needs DATA and --out, or --quick")
     from reflest_core.evaluation.page import write_page
-    from reflest_core.evaluation.study import Study, StudySettings
+    from reflest_core.evaluation.parts import run_part
+    from reflest_core.evaluation.study import Study
+    from reflest_core.evaluation.study_settings import StudySettings
 
     settings = StudySettings(
         arguments.data,
@@ -70,14 +83,23 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.limit,
         arguments.optimised,
         _degradation(arguments),
+        arguments.ablation,
+        arguments.meshes,
     )
     study = Study(settings)
+    wanted = _wanted(arguments)
     for part in ALL_PARTS:
-        if part in arguments.parts:
+        if part in wanted:
             print(f"measuring {part}", flush=True)
-            study.run(part)
+            run_part(study, part)
     print(write_page(arguments.out))
     return 0
+
+
+def _wanted(arguments: argparse.Namespace) -> list[str]:
+    if arguments.parts is not None:
+        return list(arguments.parts)
+    return [part for part in ALL_PARTS if part != "ablation" or arguments.ablation]
 
 
 def _run_quick() -> int:
@@ -99,8 +121,12 @@ def _command(arguments: argparse.Namespace) -> str:
     words = ["reflest evaluate DATA --out docs/results"]
     if arguments.runs:
         words.append("--runs RUNS")
+    if arguments.ablation:
+        words.append("--ablation ABLATION")
     if arguments.environments:
         words.append("--environments ENVIRONMENTS")
+    if arguments.meshes:
+        words.append("--meshes MESHES")
     if arguments.optimised != OPTIMISED:
         words.append(f"--optimised {arguments.optimised}")
     if arguments.limit:

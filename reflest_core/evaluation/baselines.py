@@ -16,6 +16,7 @@ from reflest_core.estimation.estimator import physical_ward
 from reflest_core.evaluation.accuracy import Statistics, accuracy
 from reflest_core.evaluation.contenders import Contender
 from reflest_core.evaluation.paper_figures import OPTIMISER_SECONDS
+from reflest_core.evaluation.shown_scenes import random_subset
 from reflest_core.evaluation.simple_baselines import guess_mean, lambertian
 from reflest_core.evaluation.single_image import optimise_single_image
 from reflest_core.training.sample import Sample
@@ -39,7 +40,7 @@ def measure_baselines(
         ("Lambertian from F and B", lambda sample: lambertian(sample.surface, ward), None),
     ]
     for contender in contenders:
-        rivals.append((contender.variant.title, _network(contender), None))
+        rivals.append((contender.title, _network(contender), None))
     optimiser = (
         "one image, optimised",
         lambda sample: optimise_single_image(sample.surface, ward),
@@ -47,7 +48,7 @@ def measure_baselines(
     )
     rows = []
     for split, samples in splits.items():
-        subset = _subset(samples, optimised_scenes)
+        subset = random_subset(samples, optimised_scenes, SUBSET_SEED)
         for name, estimate, seconds in [*rivals, optimiser]:
             rows.append(_row(name, split, estimate, subset, statistics, seconds))
         for name, estimate, seconds in rivals[:2]:
@@ -58,11 +59,6 @@ def measure_baselines(
 def _network(contender: Contender) -> Estimate:
     predictor = contender.predictor()
     return lambda sample: physical_ward(predictor.predict(sample.surface).ward)
-
-
-def _subset(samples: list[Sample], count: int) -> list[Sample]:
-    order = np.random.default_rng(SUBSET_SEED).permutation(len(samples))
-    return [samples[index] for index in sorted(order[:count].tolist())]
 
 
 def _row(

@@ -32,10 +32,24 @@ def over_groups(squared: NDArray[np.float64], groups: Sequence[str]) -> Interval
 
     Scenes under one light err alike, so this is the wider and the honest one for new lights.
     """
+    return _central(np.sqrt(_means(squared, groups)))
+
+
+def share_over_groups(is_so: NDArray[np.bool_], groups: Sequence[str]) -> Interval:
+    """Interval of the share of scenes (S,) that something holds of, groups drawn together."""
+    return _central(_means(is_so.astype(np.float64), groups))
+
+
+def _means(values: NDArray[np.float64], groups: Sequence[str]) -> NDArray[np.float64]:
+    """(DRAWS,) means over scenes of groups drawn with replacement."""
     names, member = np.unique(np.asarray(groups), return_inverse=True)
-    sums = np.bincount(member, weights=squared)
+    sums = np.bincount(member, weights=values)
     counts = np.bincount(member)
     drawn = np.random.default_rng(SEED).integers(0, len(names), (DRAWS, len(names)))
-    means = np.sqrt(sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1))
+    means: NDArray[np.float64] = sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)
+    return means
+
+
+def _central(means: NDArray[np.float64]) -> Interval:
     low, high = np.percentile(means, [2.5, 97.5])
     return Interval(float(low), float(high))

@@ -7,22 +7,39 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from reflest_core.evaluation import sections
 from reflest_core.evaluation.contenders import EvaluationError
-from reflest_core.evaluation.plots import draw_accuracy, draw_scatter, draw_views
+from reflest_core.evaluation.plots import (
+    draw_accuracy,
+    draw_reliability,
+    draw_scatter,
+    draw_time_accuracy,
+    draw_views,
+)
 from reflest_core.evaluation.record_file import read_record
-from reflest_core.evaluation.sections import Lines, Record
+from reflest_core.evaluation.sections import buys, cost, rivals, tables, trust, views
+from reflest_core.evaluation.sections.cells import Lines, Record
 
 SECTIONS: dict[str, Callable[[Record], Lines]] = {
-    "table-2": sections.table_2,
-    "table-3": sections.table_3,
-    "views": sections.views,
-    "latency": sections.latency,
-    "eight-bit": sections.eight_bit,
-    "baselines": sections.baselines,
-    "perception": sections.perception,
-    "quick": sections.quick,
+    "table-2": tables.table_2,
+    "table-3": tables.table_3,
+    "views": views.views,
+    "calibration": trust.calibration,
+    "failures": trust.failures,
+    "ablation": buys.ablation,
+    "realism": buys.realism,
+    "latency": cost.latency,
+    "time-accuracy": cost.time_accuracy,
+    "eight-bit": cost.eight_bit,
+    "baselines": rivals.baselines,
+    "perception": rivals.perception,
+    "quick": cost.quick,
 }
+PLOTS = {
+    "views": draw_views,
+    "calibration": draw_reliability,
+    "time-accuracy": draw_time_accuracy,
+}
+"""Each into a file of its section's name."""
 
 INTRODUCTION = [
     "# Results on SynBRDF",
@@ -48,9 +65,9 @@ def write_page(folder: Path) -> Path:
     for name, record in measured.items():
         section = SECTIONS[name](record)
         if name == "table-2":
-            section += _draw_table_2(folder, record) + sections.breakdown(record)
-        if name == "views":
-            draw_views(folder / "views.png", record)
+            section += _draw_table_2(folder, record) + tables.breakdown(record)
+        if name in PLOTS:
+            PLOTS[name](folder / f"{name}.png", record)
         lines += section
     path = folder / "index.md"
     path.write_text("\n".join(lines + _commands(measured)) + "\n")
@@ -59,14 +76,14 @@ def write_page(folder: Path) -> Path:
 
 def _draw_table_2(folder: Path, record: Record) -> Lines:
     draw_accuracy(folder / "variants.png", record)
-    lines = ["![RMSE of the variants](variants.png)", ""]
+    lines = ["![RMSE of the networks](variants.png)", ""]
     estimates = read_record(folder / "estimates.json")
     if estimates is not None:
         rows = [row for row in record["rows"] if row["split"] == "validation"]
         best = min(rows, key=lambda row: row["accuracy"]["ward"]["overall"])["variant"]
         draw_scatter(folder / "scatter.png", estimates, best)
         lines += [
-            "Estimates against truths of the variant that is best on validation:",
+            "Estimates against truths of the network that is best on validation:",
             "",
             "![Estimates against truths](scatter.png)",
             "",

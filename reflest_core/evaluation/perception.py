@@ -61,7 +61,7 @@ def measure_perception(
             **dict(zip(METRICS, distances[number].mean(axis=(0, 1)).tolist(), strict=True)),
             "mean_rank": float(ranks[number].mean()),
             "first": float((ranks[number] == 1).mean()),
-            "paper_rank": TABLES_2_AND_3[name].rank,
+            "paper_rank": _their_rank(name),
         }
         for number, name in enumerate(estimates)
     ]
@@ -82,13 +82,19 @@ def measure_perception(
     }
 
 
+def _their_rank(name: str) -> int | None:
+    paper = TABLES_2_AND_3.get(name)
+    return None if paper is None else paper.rank
+
+
 def _kind(light: str) -> str:
     return "point light" if light.startswith("point light") else light
 
 
 def _rank_correlation(rows: list[dict[str, Any]]) -> float | None:
-    """Spearman's, of our order and the paper's users'; None for fewer than three variants."""
-    if len(rows) < 3:
+    """Spearman's, of our order of the paper's variants and its users'; None for fewer than 3."""
+    ranked = [row["paper_rank"] for row in rows if row["paper_rank"] is not None]
+    if len(ranked) < 3:
         return None
-    theirs = np.array([row["paper_rank"] for row in rows]).argsort().argsort()
-    return float(np.corrcoef(np.arange(len(rows)), theirs)[0, 1])
+    theirs = np.array(ranked).argsort().argsort()
+    return float(np.corrcoef(np.arange(len(theirs)), theirs)[0, 1])

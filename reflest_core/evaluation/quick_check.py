@@ -48,15 +48,16 @@ def reproduce_row(quick_set: Path = QUICK_SET, expected: Path = EXPECTED) -> Qui
             f"{VARIANT} reaches {overall:.4f} here, but {record['rmse']:.4f} in Table 2: "
             "this installation does not estimate as it did"
         )
-    return QuickRow(contender.variant.title, measured, record["rmse"])
+    return QuickRow(contender.title, measured, record["rmse"])
 
 
 def measure_row(contender: Contender, quick_set: Path = QUICK_SET) -> tuple[Accuracy, str]:
     """Accuracy of ``contender`` on the quick set, and which weights it was."""
     samples = read_samples(quick_set)
-    predictor = contender.predictor()
-    made = estimate_all(predictor, samples, contender.name)
-    return accuracy(made, samples, predictor.card.statistics), predictor.model_id
+    estimator = contender.estimator()
+    made = estimate_all(estimator, samples, contender.name)
+    used = estimator.predictor
+    return accuracy(made.ward, samples, used.card.statistics), used.model_id
 
 
 def write_expected(contender: Contender, quick_set: Path = QUICK_SET) -> dict[str, object]:

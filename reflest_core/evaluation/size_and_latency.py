@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import platform
 import tempfile
 import time
@@ -29,26 +30,27 @@ def measure_latency(contenders: list[Contender], samples: list[Sample]) -> dict[
     rows = []
     seen: set[str] = set()
     for contender in contenders:
-        is_grouplet = contender.variant.network == "grouplet"
+        is_grouplet = contender.network == "grouplet"
         forms = [contender.as_fast(), contender] if is_grouplet else [contender]
         for form in forms:
-            if form.variant.model in seen:
+            if form.model in seen:
                 continue
-            seen.add(form.variant.model)
+            seen.add(form.model)
             rows.append(
                 {
-                    "model": form.variant.model,
+                    "model": form.model,
                     "weights": form.name,
                     "bytes": form.weights.stat().st_size,
-                    "paper_bytes": SIZE_BYTES[form.variant.network],
-                    "paper_ms": LATENCY_MS[form.variant.model],
-                    **_timed(form.predictor(), samples),
+                    "paper_bytes": SIZE_BYTES.get(form.network),
+                    "paper_ms": LATENCY_MS.get(form.model),
+                    **time_estimates(form.predictor(), samples),
                 }
             )
     return {"machine": f"{platform.machine()}, one thread", "rows": rows}
 
 
-def _timed(predictor: Predictor, samples: list[Sample]) -> dict[str, float]:
+def time_estimates(predictor: Predictor, samples: list[Sample]) -> dict[str, float]:
+    """Median and 95th percentile, in milliseconds, over the first samples."""
     for sample in samples[:WARM_UP]:
         predictor.predict(sample.surface)
     times = []
@@ -67,21 +69,21 @@ def measure_eight_bit(contenders: list[Contender], samples: list[Sample]) -> dic
     rows = []
     for contender in contenders:
         tensors, card, _ = load_weights(contender.exact or contender.weights)
-        if contender.exact is None and contender.variant.network == "grouplet":
+        if contender.exact is None and contender.network == "grouplet":
             continue
         with tempfile.TemporaryDirectory() as folder:
             errors, sizes = {}, {}
             for bits, is_reduced in ((32, False), (8, True)):
                 path = Path(folder) / f"{bits}.safetensors"
                 save_weights(path, tensors, card, is_reduced)
-                predictor = Predictor(contender.variant.model, path)
-                made = estimate_all(predictor, samples, f"{contender.name}, {bits} bits")
-                errors[bits] = accuracy(made, samples, card.statistics).ward.overall
+                stored = dataclasses.replace(contender, weights=path)
+                made = estimate_all(stored.estimator(), samples, f"{contender.name}, {bits} bits")
+                errors[bits] = accuracy(made.ward, samples, card.statistics).ward.overall
                 sizes[bits] = path.stat().st_size
         rows.append(
             {
                 "variant": contender.name,
-                "title": contender.variant.title,
+                "title": contender.title,
                 "float32": errors[32],
                 "eight_bit": errors[8],
                 "float32_bytes": sizes[32],

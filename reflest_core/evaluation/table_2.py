@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Table 2 and Table 3: the variants on validation and on unseen scenes, and on ten materials."""
+"""Table 2 and Table 3: the networks on validation and on unseen scenes, and on ten materials."""
 
 from __future__ import annotations
 
@@ -9,25 +9,24 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reflest_core.evaluation.accuracy import Accuracy, accuracy, scene_errors
 from reflest_core.evaluation.breakdown import break_down
 from reflest_core.evaluation.contenders import Contender
-from reflest_core.evaluation.estimates import estimate_all
+from reflest_core.evaluation.estimates import SceneEstimates, estimate_all
 from reflest_core.evaluation.paper_figures import MATERIALS, TABLES_2_AND_3
 from reflest_core.training.sample import Sample
 
 MATERIAL_SEED = 3
 """Draws Table 3's ten scenes from the validation split."""
 
-Estimates = dict[str, dict[str, NDArray[np.float64]]]
-"""By split and variant: (S, 5) Ward estimates."""
+Estimates = dict[str, dict[str, SceneEstimates]]
+"""By split and variant."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """One variant on one split, beside the paper's figures for it.
+    """One network on one split, beside the paper's figures for it, where it is the paper's.
 
     ``breakdown``: of :func:`~.breakdown.break_down`.
     """
@@ -49,29 +48,30 @@ def measure_table_2(
     rows: list[Row] = []
     estimates: Estimates = {split: {} for split in splits}
     for contender in contenders:
-        predictor = contender.predictor()
-        paper = TABLES_2_AND_3[contender.name]
+        estimator = contender.estimator()
+        statistics = estimator.predictor.card.statistics
+        paper = TABLES_2_AND_3.get(contender.name)
         for split, samples in splits.items():
-            made = estimate_all(predictor, samples, f"{contender.name} on {split}")
+            made = estimate_all(estimator, samples, f"{contender.name} on {split}")
             estimates[split][contender.name] = made
-            is_theirs = split == "validation"
+            theirs = paper if split == "validation" else None
             rows.append(
                 Row(
                     contender.name,
-                    contender.variant.title,
-                    predictor.model_id,
+                    contender.title,
+                    estimator.predictor.model_id,
                     split,
-                    accuracy(made, samples, predictor.card.statistics),
-                    break_down(made, samples, predictor.card.statistics),
-                    paper.rmse if is_theirs else None,
-                    paper.rank if is_theirs else None,
+                    accuracy(made.ward, samples, statistics),
+                    break_down(made.ward, samples, statistics),
+                    None if theirs is None else theirs.rmse,
+                    None if theirs is None else theirs.rank,
                 )
             )
     return rows, estimates
 
 
 def measure_table_3(
-    contenders: list[Contender], samples: list[Sample], estimates: dict[str, NDArray[np.float64]]
+    contenders: list[Contender], samples: list[Sample], estimates: dict[str, SceneEstimates]
 ) -> dict[str, Any]:
     """RMSE of ten validation scenes, drawn by seed, beside the paper's ten (other scenes)."""
     count = min(len(MATERIALS), len(samples))
@@ -79,15 +79,15 @@ def measure_table_3(
     rows = []
     for contender in contenders:
         errors = scene_errors(
-            estimates[contender.name], samples, contender.predictor().card.statistics
+            estimates[contender.name].ward, samples, contender.predictor().card.statistics
         )
         rows.append(
             {
                 "variant": contender.name,
-                "title": contender.variant.title,
+                "title": contender.title,
                 "errors": errors[drawn].tolist(),
                 "average": float(errors.mean()),
-                "paper": dataclasses.asdict(TABLES_2_AND_3[contender.name]),
+                "paper": _theirs(contender.name),
             }
         )
     return {
@@ -95,3 +95,8 @@ def measure_table_3(
         "wards": [samples[index].ward.tolist() for index in drawn],
         "rows": rows,
     }
+
+
+def _theirs(name: str) -> dict[str, Any] | None:
+    paper = TABLES_2_AND_3.get(name)
+    return None if paper is None else dataclasses.asdict(paper)

@@ -1,12 +1,13 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A tiny data set and three variants trained on it for a moment."""
+"""A tiny data set, three variants trained on it for a moment, and an untrained lightnet."""
 
 import pytest
 import torch
 
 from reflest_core.cli.main import main
 from test.core.training.scenes import write_synbrdf
+from test.core.weight_files import untrained_lightnet
 
 TRAINED = ("grouplet-rmse1", "hemicnn-rmse1", "hemicnn-rmse2")
 
@@ -31,4 +32,6 @@ def runs(data, tmp_path_factory):
         how = ["--minibatches", "8", "--batch-size", "4", "--voxels", "8", "--threads", "1"]
         out = ["--variant", name, "--out", str(folder / name), "--device", "cpu"]
         assert main(["train", str(data), *out, *how]) == 0
+    (folder / "lightnet").mkdir()
+    untrained_lightnet(folder).rename(folder / "lightnet" / "lightnet.safetensors")
     return folder

@@ -9,13 +9,22 @@ import numpy as np
 import pytest
 
 from reflest_core.cli.main import main
-from reflest_core.evaluation import quick_check, quick_set, single_image, study, swatches
+from reflest_core.evaluation import (
+    parts,
+    quick_check,
+    quick_set,
+    single_image,
+    swatches,
+    view_study,
+)
 from reflest_core.evaluation.contenders import EvaluationError
 from reflest_core.evaluation.paper_figures import TABLES_2_AND_3
 from reflest_core.models.predictor import Predictor
 from reflest_core.training.sample import TrainingError, load_samples
 from reflest_core.training.sample_file import read_samples
 from test.core.evaluation.conftest import TRAINED
+
+MEASURED = (*TRAINED, "lightnet")
 
 
 @pytest.fixture(scope="module")
@@ -27,9 +36,12 @@ def out(data, runs, tmp_path_factory):
         patch.setattr(single_image, "Effort", lambda: effort)
         patch.setattr(swatches, "ALPHAS", np.geomspace(0.001, 0.5, 3))
         patch.setattr(swatches, "STRATA", 2)
-        parts = [part for part in study.PARTS if part != "quick"]
+        patch.setattr(parts, "LOOKED_AT", 3)
+        patch.setattr(parts, "FEW_SCENES", 3)
+        patch.setattr(view_study, "VIEW_COUNTS", (5, 20, 30))
+        wanted = [part for part in parts.PARTS if part not in ("quick", "ablation")]
         options = ["--out", str(folder), "--runs", str(runs), "--optimised", "2"]
-        assert main(["evaluate", str(data), *options, "--parts", *parts]) == 0
+        assert main(["evaluate", str(data), *options, "--parts", *wanted]) == 0
     return folder
 
 
@@ -40,13 +52,15 @@ def read(out, name):
 def test_table_2_holds_what_the_network_reaches(out, runs, data):
     rows = read(out, "table-2")["rows"]
     assert {(row["variant"], row["split"]) for row in rows} == {
-        (name, split) for name in TRAINED for split in ("validation", "unseen")
+        (name, split) for name in MEASURED for split in ("validation", "unseen")
     }
     row = next(r for r in rows if (r["variant"], r["split"]) == ("hemicnn-rmse2", "validation"))
     predictor = Predictor("hemicnn", runs / "hemicnn-rmse2" / "hemicnn-rmse2.safetensors")
     samples = load_samples(data, "validation")
     statistics = predictor.card.statistics["ward"]
-    made = np.array(read(out, "estimates")["validation"]["hemicnn-rmse2"])
+    estimates = read(out, "estimates")["validation"]
+    made = np.array(estimates["networks"]["hemicnn-rmse2"]["ward"])
+    np.testing.assert_allclose(estimates["truths"], [s.ward for s in samples])
     errors = (made - np.stack([s.ward for s in samples])) / statistics.stddev
     assert row["accuracy"]["ward"]["overall"] == pytest.approx(
         np.sqrt((errors**2).mean()), abs=1e-4
@@ -92,19 +106,72 @@ def test_every_figure_of_the_page_comes_from_a_record(out):
     )
 
 
+def test_every_part_of_lightnet_is_on_the_page(out):
+    page = (out / "index.md").read_text()
+    for split in read(out, "calibration")["splits"].values():
+        assert all(f"{deviation:.3f}" in page for deviation in split["z_stddev"])
+        assert all(f"{group['rmse']:.3f}" in page for group in split["quartiles"])
+    found = read(out, "failures")["failures"]
+    assert [failure["error"] for failure in found] == sorted(
+        (failure["error"] for failure in found), reverse=True
+    )
+    for failure in found:
+        assert all(reason in page for reason in failure["reasons"])
+        assert all(f"{value:.3f}" in page for value in failure["estimate"])
+        assert f"({failure['picture']})" in page
+    rows = {row["effect"]: row["rmse"] for row in read(out, "realism")["rows"]}
+    assert list(rows) == [
+        "none", "exposure", "white-balance", "sensor", "jpeg", "depth", "pose", "normals", "all",
+    ]  # fmt: skip
+    assert all(f"{error:.3f} (" in page for row in rows.values() for error in row.values())
+    assert rows["white-balance"]["lightnet"] != rows["none"]["lightnet"]
+    points = read(out, "time-accuracy")["points"]
+    assert [point["voxels"] for point in points] == [8, 16, 24, 32, 48]
+    assert all(f"{point['rmse']:.3f}" in page for point in points)
+    few = read(out, "views")["few"]["accuracy"]["unseen"]
+    assert few["scenes"] == 4
+    assert f"{few['ward']['overall']:.3f}" in page
+
+
+def test_the_networks_of_the_paper_stand_beside_lightnet_in_every_table(out):
+    assert read(out, "table-3")["rows"][-1]["paper"] is None
+    ours = [row for row in read(out, "table-2")["rows"] if row["variant"] == "lightnet"]
+    assert [row["paper_rmse"] for row in ours] == [None, None]
+    names = {row["name"] for row in read(out, "baselines")["rows"]}
+    assert {"lightnet (ours)", "HemiCNN, RMSE_1"} < names
+
+
+def test_calibration_and_failures_look_at_the_estimates_of_table_2(out):
+    made = read(out, "estimates")["unseen"]
+    (failure, *_) = read(out, "failures")["failures"]
+    assert failure["estimate"] == made["networks"]["lightnet"]["ward"][failure["row"]]
+    assert failure["truth"] == made["truths"][failure["row"]]
+    assert made["networks"]["hemicnn-rmse1"]["stddev"] is None
+    counted = read(out, "calibration")["splits"]["unseen"]["statuses"]
+    statuses = made["networks"]["lightnet"]["statuses"]
+    assert {row["status"]: row["scenes"] for row in counted if row["scenes"]}.items() >= {
+        (name, statuses.count(name)) for name in set(statuses)
+    }
+
+
 def test_pictures_and_plots_are_drawn(out):
-    for name in ("variants", "scatter", "views", "contact-sheet"):
+    plots = ("variants", "scatter", "views", "calibration", "time-accuracy")
+    for name in (*plots, "contact-sheet", "failures/01", "failures/04"):
         assert cv2.imread(str(out / f"{name}.png")).std() > 5, name
 
 
 def test_networks_that_are_untrained_are_left_out_and_others_measured(out):
-    assert {row["variant"] for row in read(out, "perception")["rows"]} == set(TRAINED)
-    names = {curve["network"] for curve in read(out, "views")["curves"]}
-    assert names == {"HemiCNN", "Grouplet-fast", "Grouplet-slow"}
+    assert {row["variant"] for row in read(out, "perception")["rows"]} == set(MEASURED)
+    names = {(curve["network"], curve["split"]) for curve in read(out, "views")["curves"]}
+    assert names == {
+        (name, split)
+        for name in ("HemiCNN", "Grouplet-fast", "Grouplet-slow", "lightnet")
+        for split in ("validation", "unseen")
+    }
     assert {row["model"] for row in read(out, "latency")["rows"]} == {
-        "hemicnn", "grouplet-fast", "grouplet-slow",
+        "hemicnn", "grouplet-fast", "grouplet-slow", "lightnet",
     }  # fmt: skip
-    assert {row["variant"] for row in read(out, "eight-bit")["rows"]} == set(TRAINED)
+    assert {row["variant"] for row in read(out, "eight-bit")["rows"]} == set(MEASURED)
 
 
 def test_baselines_share_their_scenes(out):

@@ -1,0 +1,89 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""A view of a SynBRDF scene rendered anew, near enough to see the object.
+
+Importing this module loads Mitsuba.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.capture.camera import CameraIntrinsics
+from reflest_core.evaluation.contenders import EvaluationError
+from reflest_core.synbrdf.exposure import expose
+from reflest_core.synbrdf.full_image import FullImageRenderer
+from reflest_core.synbrdf.generation import Generation
+from reflest_core.synbrdf.metering import Metering
+from reflest_core.synbrdf.scene import Lighting
+from reflest_core.synbrdf.scene_file import MANIFEST, SynbrdfScene
+from reflest_core.synbrdf.scene_images import SceneImages
+from reflest_core.synbrdf.splits import Split
+from reflest_core.synbrdf.thumbnails import THUMBNAIL
+
+WIDTH, HEIGHT = 200, 150
+SAMPLES = 64
+MARGIN = 1.5
+"""Width of the picture in widths of the object."""
+
+
+class CloseUps:
+    """Renders scenes of the data set in ``data`` with the sources that it was generated from."""
+
+    def __init__(self, data: Path, environments: Path | None, meshes: Path | None) -> None:
+        manifest = json.loads((data / MANIFEST).read_text())
+        self.generation = generation_of(manifest, environments, meshes)
+        self.images = SceneImages(self.generation, WIDTH, HEIGHT, SAMPLES)
+
+    def picture(self, scene: SynbrdfScene, view: int) -> NDArray[np.float64]:
+        """(HEIGHT, WIDTH, 3) sRGB in [0, 1] of the object in one view, as the camera exposed it."""
+        drawn = self.generation.scene(Split(scene.split), scene.index)
+        if drawn.material != scene.truth or drawn.light.name != scene.environment:
+            raise EvaluationError(
+                f"scene {scene.index} of {scene.split} cannot be rendered again: --environments "
+                "and --meshes are not those that the data set was generated with"
+            )
+        renderer = FullImageRenderer(close_up(scene.thumbnails.is_object[view]), SAMPLES)
+        image = renderer.render(
+            self.images.overview(drawn).rendered, drawn.light.radiance, drawn.poses[view],
+            scene.index, drawn.room,
+        )  # fmt: skip
+        return expose(image.radiance, scene.exposure) / 255.0
+
+
+def close_up(is_object: NDArray[np.bool_]) -> CameraIntrinsics:
+    """A camera at a thumbnail's pose whose picture the object (36, 48) nearly fills."""
+    if not is_object.any():
+        is_object = np.ones_like(is_object)
+    rows, columns = (np.flatnonzero(is_object.any(axis=axis)) for axis in (1, 0))
+    left, right = float(columns[0]), float(columns[-1] + 1)
+    top, bottom = float(rows[0]), float(rows[-1] + 1)
+    width = min(MARGIN * max(right - left, (bottom - top) * WIDTH / HEIGHT), THUMBNAIL.width)
+    scale = WIDTH / width
+    corner = np.array([0.5 * (left + right - width), 0.5 * (top + bottom - HEIGHT / scale)])
+    # Pixel centres lie at whole numbers; edges of the picture half a pixel before them.
+    cx, cy = (np.array([THUMBNAIL.cx, THUMBNAIL.cy]) + 0.5 - corner) * scale - 0.5
+    return CameraIntrinsics(
+        WIDTH, HEIGHT, THUMBNAIL.fx * scale, THUMBNAIL.fy * scale, float(cx), float(cy)
+    )
+
+
+def generation_of(
+    manifest: dict[str, Any], environments: Path | None, meshes: Path | None
+) -> Generation:
+    """What the data set was asked to be, without its faults."""
+    return Generation(
+        manifest["seed"],
+        manifest["scenes"],
+        views=manifest["views"],
+        environments=environments,
+        meshes=meshes,
+        lighting=Lighting(manifest.get("lighting", Lighting.NATURAL.value)),
+        without=tuple(manifest.get("without", ())),
+        metering=Metering(manifest.get("metering", Metering.FRAME.value)),
+    )

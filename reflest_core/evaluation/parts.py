@@ -1,0 +1,161 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""What can be measured, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from reflest_core.evaluation.baselines import measure_baselines
+from reflest_core.evaluation.calibration import measure_calibration
+from reflest_core.evaluation.contact_sheet import SHOWN, draw_contact_sheet
+from reflest_core.evaluation.contenders import LIGHTNET, EvaluationError, known_light, named
+from reflest_core.evaluation.estimates import SceneEstimates
+from reflest_core.evaluation.estimates_file import as_figures
+from reflest_core.evaluation.failure_pictures import (
+    Picture,
+    draw_failure,
+    fullest_view,
+    thumbnail_picture,
+)
+from reflest_core.evaluation.failures import find_failures
+from reflest_core.evaluation.perception import measure_perception
+from reflest_core.evaluation.quick_check import write_expected
+from reflest_core.evaluation.quick_set import QUICK_SET, VARIANT, save_quick_set
+from reflest_core.evaluation.realism_cost import measure_realism
+from reflest_core.evaluation.shown_scenes import load_shown, random_subset
+from reflest_core.evaluation.size_and_latency import measure_eight_bit, measure_latency
+from reflest_core.evaluation.study import Study
+from reflest_core.evaluation.table_2 import measure_table_2, measure_table_3
+from reflest_core.evaluation.time_accuracy import measure_time_accuracy
+from reflest_core.evaluation.view_study import measure_views
+from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.synbrdf.scene_file import SynbrdfScene
+
+Figures = dict[str, Any]
+
+LOOKED_AT = 100
+"""Materials that are judged by their looks, drawn by :data:`LOOKS_SEED`."""
+LOOKS_SEED = 5
+FEW_SCENES = 100
+"""Of a split, for parts that estimate every scene many times; drawn by :data:`SUBSET_SEED`."""
+SUBSET_SEED = 13
+
+
+def _table_2(study: Study) -> Figures:
+    rows, estimates = measure_table_2(study.contenders, study.splits)
+    study.write("estimates", as_figures(estimates, study.splits))
+    samples = study.splits["validation"]
+    study.write("table-3", measure_table_3(study.contenders, samples, estimates["validation"]))
+    return {"rows": rows}
+
+
+def _perception(study: Study) -> Figures:
+    samples, made = study.splits["validation"], study.estimates["validation"]
+    drawn = np.random.default_rng(LOOKS_SEED).permutation(len(samples))[:LOOKED_AT]
+    estimates = {name: of.ward[drawn] for name, of in made.items()}
+    judged = [samples[row] for row in drawn]
+    draw_contact_sheet(
+        study.settings.out / "contact-sheet.png",
+        study.swatches,
+        judged[:SHOWN],
+        {name: of[:SHOWN] for name, of in estimates.items()},
+    )
+    measured = measure_perception(study.swatches, judged, estimates)
+    return {"lights": list(study.lights), **measured}
+
+
+def _quick(study: Study) -> Figures:
+    contender = named(study.contenders, VARIANT)
+    if contender is None:
+        raise EvaluationError(f"the quick set needs weights of {VARIANT}; train it first")
+    save_quick_set(QUICK_SET, study.splits["validation"])
+    return write_expected(contender)
+
+
+def _lightnets(study: Study, split: str) -> tuple[SceneEstimates, ParameterStatistics]:
+    """Its estimates of a split, as Table 2 has them, and what z-scores are made with."""
+    statistics = known_light(study.contenders).predictor().card.statistics["ward"]
+    return study.estimates[split][LIGHTNET], statistics
+
+
+def _calibration(study: Study) -> Figures:
+    measured = {}
+    for split, samples in study.splits.items():
+        made, statistics = _lightnets(study, split)
+        measured[split] = measure_calibration(made, samples, statistics)
+    return {"splits": measured}
+
+
+def _failures(study: Study) -> Figures:
+    scenes, samples = study.scenes["unseen"], study.splits["unseen"]
+    made, statistics = _lightnets(study, "unseen")
+    found = find_failures(made, scenes, samples, statistics)
+    photographed = _photographer(study)
+    for number, failure in enumerate(found["failures"], start=1):
+        row = failure["row"]
+        failure["picture"] = f"failures/{number:02d}.png"
+        draw_failure(
+            study.settings.out / failure["picture"], photographed(scenes[row]),
+            samples[row].surface.light, study.swatches[0], samples[row].ward, made.ward[row],
+        )  # fmt: skip
+    return found
+
+
+def _photographer(study: Study) -> Callable[[SynbrdfScene], Picture]:
+    """Pictures of scenes: rendered again where the data set's meshes are given."""
+    settings = study.settings
+    if settings.meshes is None:
+        return lambda scene: thumbnail_picture(scene, fullest_view(scene))
+    from reflest_core.evaluation.close_ups import CloseUps
+
+    close_ups = CloseUps(settings.data, settings.environments, settings.meshes)
+    return lambda scene: close_ups.picture(scene, fullest_view(scene))
+
+
+def _ablation(study: Study) -> Figures:
+    folder = study.settings.ablation
+    if folder is None:
+        raise EvaluationError("part ablation needs --ablation FOLDER, with trainings of lightnet")
+    from reflest_core.evaluation.ablation import collect_ablation
+
+    return collect_ablation(folder)
+
+
+def _realism(study: Study) -> Figures:
+    """On scenes without the faults that ``--realism`` may have given the others."""
+    settings = study.settings
+    clean = load_shown(settings.data, "validation", None, settings.limit)
+    return measure_realism(study.contenders, random_subset(clean, FEW_SCENES, SUBSET_SEED))
+
+
+def _time_accuracy(study: Study) -> Figures:
+    samples = random_subset(study.splits["validation"], FEW_SCENES, SUBSET_SEED)
+    return measure_time_accuracy(known_light(study.contenders), samples)
+
+
+PARTS: dict[str, Callable[[Study], Figures]] = {
+    "table-2": _table_2,
+    "views": lambda study: measure_views(study.contenders, study.scenes),
+    "calibration": _calibration,
+    "failures": _failures,
+    "ablation": _ablation,
+    "realism": _realism,
+    "latency": lambda study: measure_latency(study.contenders, study.splits["validation"]),
+    "time-accuracy": _time_accuracy,
+    "eight-bit": lambda study: measure_eight_bit(study.contenders, study.splits["validation"]),
+    "baselines": lambda study: measure_baselines(
+        study.contenders, study.splits, study.settings.optimised
+    ),
+    "perception": _perception,
+    "quick": _quick,
+}
+"""In the order in which they are run."""
+
+
+def run_part(study: Study, part: str) -> None:
+    """Measure ``part``, one of :data:`PARTS`, and write its record."""
+    study.write(part, PARTS[part](study))

@@ -1,0 +1,115 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""How far an estimate can be trusted, and the ones that could not."""
+
+from __future__ import annotations
+
+from reflest_core.evaluation.markdown import table
+from reflest_core.evaluation.sections.cells import Lines, Record, percent
+from reflest_core.models.normalisation import WARD_NAMES
+
+
+def calibration(record: Record) -> Lines:
+    """Intervals, deviations and statuses against what happened."""
+    splits = record["splits"]
+    return [
+        "## How sure it is, and how rightly",
+        "",
+        "![Reliability](calibration.png)",
+        "",
+        "lightnet states a standard deviation of every parameter. Shares of truths within 90 %",
+        "intervals (estimate +- 1.645 standard deviations), in brackets 95 % over environments:",
+        "",
+        *table(["split", *WARD_NAMES], [_inside(split, of) for split, of in splits.items()]),
+        "",
+        "Standard deviation of (estimate - truth) / stated deviation, 1 for a perfect one:",
+        "",
+        *table(
+            ["split", *WARD_NAMES],
+            [[split, *map(float, of["z_stddev"])] for split, of in splits.items()],
+        ),
+        "",
+        "Scenes in four equal groups by the error that they state, and the error that they have:",
+        "",
+        *table(
+            ["split", "quarter", "scenes", "stated", "RMSE"],
+            [
+                [split, number, group["scenes"], group["expected"], group["rmse"]]
+                for split, of in splits.items()
+                for number, group in enumerate(of["quartiles"], start=1)
+            ],
+        ),
+        "",
+        "How often each status is raised after all of a scene's views, and the error then:",
+        "",
+        *table(
+            ["split", "status", "scenes", "share", "RMSE", *WARD_NAMES],
+            [_status(split, row) for split, of in splits.items() for row in of["statuses"]],
+        ),
+        "",
+    ]
+
+
+def _inside(split: str, of: Record) -> list[str]:
+    cells = [
+        f"{percent(share)} ({100 * around['low']:.0f} to {100 * around['high']:.0f})"
+        for share, around in zip(of["inside"], of["inside_intervals"], strict=True)
+    ]
+    return [split, *cells]
+
+
+def _status(split: str, row: Record) -> list[object]:
+    per_parameter = row["per_parameter"] or [None] * len(WARD_NAMES)
+    share = percent(row["share"])
+    return [split, row["status"], row["scenes"], share, row["rmse"], *per_parameter]
+
+
+def failures(record: Record) -> Lines:
+    """The worst scenes, one by one."""
+    found = record["failures"]
+    lines = [
+        "## Where it fails",
+        "",
+        f"The {len(found)} of {record['scenes']} unseen scenes with the largest error of lightnet;",
+        *_without(record),
+        "Each shows the view that holds most of the object, the light that was seen (dim where it",
+        "was not, and had to be guessed), and a sphere of the true and of the estimated material",
+        "under an environment of neither. What is out of the ordinary is counted, not judged: a",
+        "measure in which the scene is among the worst tenth of the split.",
+        "",
+    ]
+    for number, failure in enumerate(found, start=1):
+        lines += _failure(number, failure)
+    return lines
+
+
+def _without(record: Record) -> Lines:
+    if record["without_them"] is None:
+        return []
+    return [
+        f"without them the split's RMSE is {record['without_them']:.3f} instead of "
+        f"{record['rmse']:.3f}."
+    ]
+
+
+def _failure(number: int, failure: Record) -> Lines:
+    rows = [
+        [name, *(float(value) for value in of)]
+        for name, of in (
+            ("truth", failure["truth"]),
+            ("estimate", failure["estimate"]),
+            ("stated deviation", failure["stddev"]),
+        )
+    ]
+    return [
+        f"### {number}. {failure['shape']} in {failure['environment']}: {failure['error']:.2f}",
+        "",
+        f"![Scene, light, truth and estimate]({failure['picture']})",
+        "",
+        f"Unseen scene {failure['index']}, {failure['view_pattern']} of views: "
+        + "; ".join(failure["reasons"])
+        + ".",
+        "",
+        *table(["", *WARD_NAMES], rows),
+        "",
+    ]

@@ -1,0 +1,53 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes as a scan leaves them: what the shown views saw of the surface and of the light behind."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.synbrdf.scene_file import SynbrdfScene
+from reflest_core.synbrdf.scene_light import scene_light
+from reflest_core.training.augmentation import keep_views
+from reflest_core.training.sample import (
+    Degradation,
+    Sample,
+    TrainingError,
+    sample_of,
+    usable_scenes,
+)
+
+Scene = TypeVar("Scene", SynbrdfScene, Sample)
+
+
+def load_shown(
+    folder: Path, split: str, degradation: Degradation | None = None, limit: int | None = None
+) -> list[SynbrdfScene]:
+    """The first ``limit`` usable scenes of a split, with faults if given."""
+    scenes = list(usable_scenes(folder, split, degradation))[:limit]
+    if not scenes:
+        raise TrainingError(f"{folder} holds no scenes of split {split!r}; generate them first")
+    return scenes
+
+
+def shown(scene: SynbrdfScene, views: NDArray[np.int64] | None = None) -> Sample:
+    """What an estimate may know after ``views`` (all, if None): their observations and background.
+
+    No pixel of another view enters: neither the surface's colours nor the light.
+    """
+    if views is None:
+        views = np.arange(len(scene.surface.view_centres))
+    surface = keep_views(scene.surface, views)
+    lit = dataclasses.replace(surface, light=scene_light(scene, views))
+    return dataclasses.replace(sample_of(scene), surface=lit)
+
+
+def random_subset(scenes: list[Scene], count: int, seed: int) -> list[Scene]:
+    """At most ``count`` scenes, drawn by ``seed``, in their order."""
+    order = np.random.default_rng(seed).permutation(len(scenes))[:count]
+    return [scenes[index] for index in sorted(order.tolist())]
