@@ -104,6 +104,8 @@ class Diagnostics:
             "store budget (MB)": f"{session.scanner.scan.fusion.memory_budget_mb:.1f}",
             "store in use": f"{counts.fill:.3f}",
             "exposure drift (stops)": f"{counts.exposure_drift:.2f}",
+            "exposure correction (stops)": f"{math.log2(counts.exposure_gain):.2f}",
+            "light seen": f"{counts.light_seen:.3f}",
         }
         if session.autosave.path is not None:
             values |= {

@@ -18,6 +18,8 @@ class FusionCounts:
 
     ``redundant``: frames among the fused that showed nothing new, so that nothing was done.
     ``fill``: share of the store's budget in use. ``exposure_drift``: stops, NaN where unknown.
+    ``exposure_gain``: of the last frame, by :meth:`.LightMap.add_frame`. ``light_seen``: share of
+    all directions.
     """
 
     messages: dict[Role, int] = field(default_factory=lambda: dict.fromkeys(Role, 0))
@@ -32,6 +34,8 @@ class FusionCounts:
     nbytes: int = 0
     fill: float = 0.0
     exposure_drift: float = math.nan
+    exposure_gain: float = 1.0
+    light_seen: float = 0.0
 
     def take_store(self, scan: Scan) -> None:
         """Note how full the scan is."""
@@ -40,9 +44,12 @@ class FusionCounts:
         self.views = scan.view_count
         self.nbytes = scan.nbytes
         self.fill = scan.fill
+        self.exposure_gain = scan.light.gain
         if self.views == 0:
             self.exposure_drift = math.nan
+            self.light_seen = 0.0
 
-    def take_exposure(self, scan: Scan) -> None:
-        """Compare the views' brightness; a keyframe is often enough."""
+    def take_light(self, scan: Scan) -> None:
+        """Compare the views' brightness, sum up the light; a keyframe is often enough."""
         self.exposure_drift = exposure_drift(scan.views)
+        self.light_seen = scan.light.seen_share

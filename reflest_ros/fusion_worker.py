@@ -183,7 +183,7 @@ class FusionWorker:
             self.count_store()
             if scanned.keyframe is not None:
                 self.counts.keyframes += 1
-                self.counts.take_exposure(self._scanner.scan)
+                self.counts.take_light(self._scanner.scan)
                 self._on_keyframe(Keyframe(scanned.keyframe, arrival))
 
     def _report_drops(self) -> None:

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import math
+
 from rclpy.node import Node
 
 from reflest_core.estimation.scanner import Scanner
@@ -50,6 +52,7 @@ def _exposure(counts: FusionCounts) -> str:
         return ""
     return (
         f"foreground and background have become {abs(drift):.1f} stops "
-        f"{'brighter' if drift > 0 else 'darker'} in mid-scan: lock the camera's exposure and "
-        "white balance, or see that the light stays as it is"
+        f"{'brighter' if drift > 0 else 'darker'} in mid-scan, of which the background tells "
+        f"{abs(math.log2(counts.exposure_gain)):.1f}, which is corrected: lock the camera's "
+        "exposure and white balance, or see that the light stays as it is"
     )

@@ -40,8 +40,7 @@ class ObservedLight:
     @property
     def seen_share(self) -> float:
         """Share of the sphere of directions that was seen, in [0, 1]."""
-        angles = octahedral_solid_angles(len(self.coverage))
-        return float((self.coverage * angles).sum() / (4.0 * np.pi))
+        return _share(self.coverage)
 
 
 @dataclass
@@ -96,6 +95,11 @@ class LightMap:
         """Bytes of the sums."""
         return sum(array.nbytes for array in self.arrays.values())
 
+    @property
+    def seen_share(self) -> float:
+        """Share of the sphere of directions that was seen, in [0, 1]."""
+        return _share((self.count > 0.0).astype(np.float32))
+
     def observed(self) -> ObservedLight:
         """The mean of what was added, a copy."""
         count = np.maximum(self.count, np.float32(1.0))
@@ -104,6 +108,11 @@ class LightMap:
             (self.count > 0.0).astype(np.float32),
             np.asarray(self.clipped_count / count, np.float32),
         )
+
+
+def _share(coverage: NDArray[np.float32]) -> float:
+    angles = octahedral_solid_angles(len(coverage))
+    return float((coverage * angles).sum() / (4.0 * np.pi))
 
 
 ARRAYS = tuple(one.name for one in fields(LightMap) if one.name != "gain")

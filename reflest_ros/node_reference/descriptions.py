@@ -66,6 +66,11 @@ DIAGNOSTICS = {
     "exposure drift (stops)": (
         "By how much the newest third of the views is brighter than the oldest; nan where unknown."
     ),
+    "exposure correction (stops)": (
+        "By how much the last frame's colours are brightened to be at the first one's exposure, as "
+        "far as the background tells it; 0 with a locked exposure."
+    ),
+    "light seen": "Share of all directions in which the light around the object was seen, 0 to 1.",
     "autosave's age (s)": "Since the last one; present with autosave.",
     "autosave's duration (s)": "Of the last one; present with autosave.",
     "autosave's failure": "Why the last one failed; present with autosave, empty where it did not.",

@@ -69,6 +69,13 @@ def test_a_longer_exposure_is_said_in_stops(scanning, scanned, peer):
     # 8-bit values times 0.9 / 0.4 are about (0.9 / 0.4) ** 2.2 in linear light.
     drift = float(peer.diagnostics["exposure drift (stops)"])
     assert drift == pytest.approx(2.2 * math.log2(0.9 / 0.4), abs=1.0)
+    assert "which is corrected" in warning
+    correction = float(peer.diagnostics["exposure correction (stops)"])
+    assert correction == pytest.approx(-2.2 * math.log2(0.9 / 0.4), abs=0.4)
+
+
+def test_the_light_that_was_seen_is_told(scanned, peer):
+    assert 0.0 < float(peer.diagnostics["light seen"]) < 1.0
 
 
 def test_silence_names_the_last_stamp_and_the_publishers_policies(scanning, scanned, peer):
