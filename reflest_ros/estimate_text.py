@@ -21,7 +21,7 @@ def estimate_text(estimate: BrdfEstimate | None) -> str:
         f"{estimate.coverage:.0%} of directions, {estimate.view_count} views",
     ]
     if estimate.status:
-        lines.append(f"{estimate.status.name}: {estimate.status_text}")
+        lines += f"{estimate.status.name}: {estimate.status_text}".split("; ")
     return "\n".join(lines)
 
 

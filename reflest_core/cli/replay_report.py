@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import dataclasses
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -42,18 +44,27 @@ def estimate_line(estimate: BrdfEstimate) -> str:
 
 
 def final_lines(estimate: BrdfEstimate) -> list[str]:
-    """Return the final estimate in full, with units and colour spaces."""
-    red, green, blue = estimate.rho_d
-    lightness, a, b = estimate.lab
+    """Return the final estimate in full, with deviations, units and colour spaces."""
+    gloss, gloss_stddev = (estimate.c, estimate.d), (estimate.c_stddev, estimate.d_stddev)
     return [
         f"final   {estimate_line(estimate)}",
-        f"  rho_d  {red:.4f} {green:.4f} {blue:.4f}  (diffuse albedo, linear sRGB)",
-        f"  rho_s  {estimate.rho_s:.4f}  (specular albedo)",
-        f"  alpha  {estimate.alpha:.4f}  (roughness)",
-        f"  Lab    {lightness:.2f} {a:.2f} {b:.2f}  (D65, 2 degrees)",
-        f"  c, d   {estimate.c:.4f} {estimate.d:.4f}  (contrast and distinctness of gloss)",
+        f"  rho_d  {_with_deviation(estimate.rho_d, estimate.rho_d_stddev, 4)}"
+        "  (diffuse albedo, linear sRGB)",
+        f"  rho_s  {_with_deviation((estimate.rho_s,), (estimate.rho_s_stddev,), 4)}"
+        "  (specular albedo)",
+        f"  alpha  {_with_deviation((estimate.alpha,), (estimate.alpha_stddev,), 4)}  (roughness)",
+        f"  Lab    {_with_deviation(estimate.lab, estimate.lab_stddev, 2)}  (D65, 2 degrees)",
+        f"  c, d   {_with_deviation(gloss, gloss_stddev, 4)}  (contrast and distinctness of gloss)",
         f"  model  {estimate.model_id}, Ward variant {estimate.ward_variant}",
     ]
+
+
+def _with_deviation(values: Sequence[float], stddev: Sequence[float], digits: int) -> str:
+    """Values with one standard deviation each, where they are known."""
+    numbers = " ".join(f"{value:.{digits}f}" for value in values)
+    if any(map(math.isnan, stddev)):
+        return numbers
+    return f"{numbers} ± {' '.join(f'{one:.{digits}f}' for one in stddev)}"
 
 
 def refusals_line(capture: Capture) -> str | None:

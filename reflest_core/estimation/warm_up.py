@@ -13,6 +13,7 @@ from reflest_core.capture import warm_up as capture
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.fusion import warm_up as fusion
+from reflest_core.fusion.light_map import LightMap
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.models.weights import shipped_models
 
@@ -28,7 +29,9 @@ def warm_up(estimator: Estimator) -> None:
 
 
 def _grey_wall() -> ObservedSurface:
-    """A square wall at z = 0, every voxel seen from every view."""
+    """A square wall at z = 0, every voxel seen from every view, light from in front of it."""
+    light = LightMap()
+    light.add(np.array([[0.0, 0.0, 1.0]], np.float32), np.full((1, 3), 128, np.uint8))
     voxels = SIDE**2
     across = np.arange(voxels) % SIDE * 0.01
     up = np.arange(voxels) // SIDE * 0.01
@@ -41,6 +44,7 @@ def _grey_wall() -> ObservedSurface:
         view_centres=np.array([[0.1 * view, 0.0, 0.5] for view in range(VIEWS)], np.float32),
         view_foreground=np.full((VIEWS, 3), 128.0, np.float32),
         view_background=np.full((VIEWS, 3), np.nan, np.float32),
+        light=light.observed(),
     )
 
 

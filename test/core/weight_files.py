@@ -6,7 +6,8 @@ import numpy as np
 import torch
 
 from reflest_core.brdf.parameters import WardVariant
-from reflest_core.models.lightnet import LightNet
+from reflest_core.models.model_choice import MODELS
+from reflest_core.models.network_kind import NETWORKS
 from reflest_core.models.normalisation import ParameterStatistics
 from reflest_core.models.weights import WeightsCard, save_weights
 
@@ -15,15 +16,21 @@ USUAL = ParameterStatistics(
 )
 
 
-def untrained_lightnet(folder, factors=(1.0, 1.0, 1.0, 1.0, 1.0), correlation=None):
-    """Path of the weight file of a LightNet as it is first made, always the same."""
-    path = folder / "untrained-lightnet.safetensors"
+def untrained(model, folder, factors=(1.0, 1.0, 1.0, 1.0, 1.0), correlation=None):
+    """Path of the weight file of a model's network as it is first made, always the same."""
+    network = MODELS[model].network
+    path = folder / f"untrained-{network}.safetensors"
     with torch.random.fork_rng():
         torch.manual_seed(7)
-        module = LightNet()
+        module = NETWORKS[network].make()
     card = WeightsCard(
-        "lightnet", "ward", WardVariant.WARD_1992, {"ward": USUAL, "labcd": USUAL}, {},
+        network, "ward", WardVariant.WARD_1992, {"ward": USUAL, "labcd": USUAL}, {},
         np.array(factors), np.eye(5) if correlation is None else correlation,
     )  # fmt: skip
     save_weights(path, module.state_dict(), card, eight_bit=False)
     return path
+
+
+def untrained_lightnet(folder, factors=(1.0, 1.0, 1.0, 1.0, 1.0), correlation=None):
+    """The same for the network that knows the light."""
+    return untrained("lightnet", folder, factors, correlation)

@@ -45,6 +45,8 @@ def test_the_text_gives_values_and_confidence():
     assert lines[3] == "40% of directions, 300 views"
     assert lines[4] == "LOW_COVERAGE: move"
     assert len(estimate_text(estimate(status=EstimateStatus.OK)).splitlines()) == 4
+    two = estimate_text(estimate(status_text="move; show the room"))
+    assert two.splitlines()[4:] == ["LOW_COVERAGE: move", "show the room"]
 
 
 def test_a_doubtful_estimate_has_another_colour():

@@ -22,6 +22,7 @@ RELATIVE, LEAST = 0.15, 0.03
 """Of an observation's error, in apparent albedo: share of the model's value, and at any value."""
 PRIOR = 1.0
 """Inverse variance of ``rho_s`` about 0: with hardly any evidence there is no gloss."""
+SMALLEST_MISFIT = 1e-6
 SHARPNESS = 40.0
 """How fast a roughness loses weight as its misfit grows: the power of the misfit's inverse."""
 
@@ -46,7 +47,8 @@ def fit_material(
 ) -> MaterialFit:
     """``apparent``: (O, 3). ``lobe``: (O, K, 3). ``weight``: (O, 3), 0 where clipped."""
     albedo, gloss, misfit = _fit(apparent, lobe, weight)
-    likely = (misfit / max(float(misfit.min()), 1e-6)) ** -SHARPNESS
+    ratio = np.maximum(misfit, SMALLEST_MISFIT) / max(float(misfit.min()), SMALLEST_MISFIT)
+    likely = ratio**-SHARPNESS
     return MaterialFit(albedo, gloss, misfit, (likely / likely.sum()).astype(np.float32))
 
 

@@ -2,26 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """A recorded bag and an untrained network, made once for all tests of the command line."""
 
-import numpy as np
 import pytest
-import torch
 
-from reflest_core.brdf.parameters import WardVariant
-from reflest_core.models.grouplet import Grouplet
-from reflest_core.models.normalisation import ParameterStatistics
-from reflest_core.models.weights import WeightsCard, save_weights
+from reflest_core.estimation.settings import EstimationSettings
 from test.core.capture.recording import recording, write_bag
+from test.core.weight_files import untrained
 
 
 @pytest.fixture(scope="session")
 def weights(tmp_path_factory):
     """Weights that no training has touched: the path from capture to numbers is under test."""
-    path = tmp_path_factory.mktemp("weights") / "grouplet.safetensors"
-    torch.manual_seed(4)
-    statistics = ParameterStatistics(np.array([0.3, 0.3, 0.3, 0.1, 0.1]), np.full(5, 0.05))
-    card = WeightsCard("grouplet", "ward", WardVariant.WARD_1992, {"ward": statistics}, {})
-    save_weights(path, Grouplet().state_dict(), card, eight_bit=False)
-    return path
+    return untrained(EstimationSettings().model, tmp_path_factory.mktemp("weights"))
 
 
 @pytest.fixture(scope="session")

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from reflest_core.estimation.settings import EstimationSettings
+
 CHECKOUT = Path(__file__).parents[3]
 
 
@@ -27,7 +29,7 @@ def test_two_runs_write_the_same_bytes(weights, bag, tmp_path):
         assert "final" in done.stdout
         outputs.append((tmp_path / name).read_bytes())
     assert outputs[0] == outputs[1]
-    assert json.loads(outputs[0])["model"] == "grouplet-slow"
+    assert json.loads(outputs[0])["model"] == EstimationSettings().model
 
 
 def test_what_does_not_exist_ends_with_one_line():

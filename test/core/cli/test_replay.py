@@ -20,6 +20,7 @@ from test.core.capture.recording import (
     write_tum,
 )
 from test.core.capture.test_bag_transforms import NAMES, in_tf
+from test.core.weight_files import untrained
 
 COARSE = ["--voxel-size", "0.01"]
 
@@ -59,8 +60,21 @@ def test_every_keyframe_and_the_end_get_an_estimate(replay, bag):
     assert record["damage"] is None
 
 
-def test_the_json_has_the_messages_field_names_and_null_for_unknown(replay, bag):
-    final = replay(bag)[3]["final"]
+@pytest.fixture
+def final_of(bag, tmp_path, capsys):
+    """The final estimate of an untrained model in the bag: as JSON, and what was printed."""
+
+    def replayed(model):
+        out = tmp_path / "out.json"
+        chosen = ["--model", model, "--weights", str(untrained(model, tmp_path))]
+        assert main(["replay", str(bag), "--json", str(out), *chosen, *COARSE]) == 0
+        return json.loads(out.read_text())["final"], capsys.readouterr().out
+
+    return replayed
+
+
+def test_the_json_has_the_messages_field_names_and_null_for_unknown(final_of):
+    final, printed = final_of("grouplet-fast")
     assert set(final) == {
         "header", "schema_version", "model_id", "ward_variant", "rho_d", "rho_s", "alpha", "lab",
         "c", "d", "voxel_count", "observation_count", "view_count", "coverage", "status",
@@ -69,6 +83,16 @@ def test_the_json_has_the_messages_field_names_and_null_for_unknown(replay, bag)
     }  # fmt: skip
     assert final["latency"] is None
     assert final["rho_d_stddev"] == [None] * 3
+    assert "±" not in printed
+
+
+def test_lightnet_says_how_sure_it_is_in_the_json_and_in_print(final_of):
+    final, printed = final_of("lightnet")
+    assert final["model_id"].startswith("lightnet/")
+    assert all(0.0 < stddev < math.inf for stddev in final["rho_d_stddev"])
+    assert f"alpha  {final['alpha']:.4f} ± {final['alpha_stddev']:.4f}  (roughness)" in printed
+    assert f"  Lab    {final['lab'][0]:.2f} " in printed
+    assert f" ± {final['lab_stddev'][0]:.2f} " in printed
 
 
 def test_the_same_scene_in_any_container_gives_the_same_estimates(replay, bag, tmp_path):

@@ -14,7 +14,7 @@ from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.features.light.surface_shading import assumed_light
 from reflest_core.fusion.light_map import LightMap
 from test.core.lit_surfaces import lit
-from test.core.surfaces import sphere_surface
+from test.core.surfaces import sphere_surface, without_observations
 from test.core.weight_files import USUAL, untrained_lightnet
 
 SURFACE = sphere_surface(colour=lambda direction, normal: (150, 120, 100))
@@ -104,6 +104,52 @@ def test_the_light_is_turned_upright_with_the_surface(weights):
     upright, raised = estimate(surface, weights), estimate(lying, weights, up=(0.0, -1.0, 0.0))
     np.testing.assert_allclose(raised.rho_d, upright.rho_d, atol=2e-3)
     np.testing.assert_allclose(raised.rho_s_stddev, upright.rho_s_stddev, rtol=0.02)
+
+
+def painted(colour):
+    return sphere_surface(colour=lambda direction, normal: colour)
+
+
+def from_one_view(surface):
+    """Only what the first camera saw."""
+    kept = surface.view_indices == 0
+    voxel_of = np.repeat(np.arange(surface.voxel_count), surface.observation_counts)
+    counts = np.bincount(voxel_of[kept], minlength=surface.voxel_count)
+    return dataclasses.replace(
+        surface,
+        offsets=np.concatenate([[0], np.cumsum(counts)]),
+        colours=surface.colours[kept],
+        view_indices=surface.view_indices[kept],
+    )
+
+
+def one_lamp(colour):
+    light = LightMap()
+    light.add(np.array([[0.2, 0.1, 1.0]], np.float32), np.full((1, 3), colour, np.uint8))
+    return light.observed()
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    "surface",
+    [
+        lit(painted((0, 0, 0))),
+        lit(painted((255, 255, 255)), lamp=True),
+        lit(from_one_view(SURFACE)),
+        painted((0, 0, 0)),
+        dataclasses.replace(SURFACE, light=one_lamp(0)),
+        dataclasses.replace(SURFACE, light=one_lamp(255)),
+        lit(without_observations(SURFACE, 10)),
+    ],
+    ids=["black", "white", "one view", "black in the dark", "dark light", "one lamp", "10 voxels"],
+)
+def test_odd_scans_give_finite_values_and_deviations(weights, surface):
+    found = estimate(surface, weights)
+    values = [*found.rho_d, found.rho_s, found.alpha, *found.lab, found.c, found.d]
+    deviations = [*ward_stddev(found), *found.lab_stddev, found.c_stddev, found.d_stddev]
+    assert np.isfinite(values).all()
+    assert np.isfinite(deviations).all()
+    assert min(deviations) >= 0.0
 
 
 def test_assumed_light_makes_the_surface_of_usual_albedo():

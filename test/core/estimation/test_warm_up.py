@@ -15,15 +15,17 @@ import reflest_core.models
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.estimation.warm_up import warm_up
-from reflest_core.models.weights import shipped_models
+from reflest_core.models.model_choice import MODELS
+from test.core.lit_surfaces import lit
 from test.core.surfaces import sphere_surface
+from test.core.weight_files import untrained_lightnet
 
 
 def compiled_versions():
     """How many compiled versions there are of each kernel of features and models."""
     versions = {}
     for package in (reflest_core.features, reflest_core.models):
-        for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
+        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
             content = vars(importlib.import_module(module.name))
             for name, value in content.items():
                 if isinstance(value, CPUDispatcher):
@@ -31,14 +33,18 @@ def compiled_versions():
     return versions
 
 
-@pytest.mark.parametrize("model", shipped_models())
-def test_no_kernel_is_compiled_afterwards(model):
-    estimator = Estimator(EstimationSettings(model=model, up=(0.0, -1.0, 0.0)))
+@pytest.mark.parametrize("model", MODELS)
+def test_no_kernel_is_compiled_afterwards(model, tmp_path):
+    weights = str(untrained_lightnet(tmp_path)) if model == "lightnet" else ""
+    estimator = Estimator(EstimationSettings(model=model, weights=weights, up=(0.0, -1.0, 0.0)))
     warm_up(estimator)
     before = compiled_versions()
-    surface = sphere_surface(voxels=1000)
-    unknown = dataclasses.replace(surface, view_background=np.full((40, 3), np.nan, np.float32))
+    surface = lit(sphere_surface(voxels=1000))
+    unknown = dataclasses.replace(
+        surface, view_background=np.full((40, 3), np.nan, np.float32), light=None
+    )
     for scan in (surface, unknown):
         estimator.estimate(scan, 0, "")
     assert compiled_versions() == before
     assert before["reflest_core.features.voxel_choice._k_centre_clusters"] == 1
+    assert before["reflest_core.features.turned_light._turn"] == 1
