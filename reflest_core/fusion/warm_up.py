@@ -10,6 +10,7 @@ from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.block_erasure import erase_blocks, surface_keys
 from reflest_core.fusion.eviction import least_worthy
+from reflest_core.fusion.exposure_correction import at_one_exposure
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 
@@ -31,6 +32,7 @@ def warm_up() -> None:
     scan.region.contains(np.zeros((1, 3)))
     scan.fuse(wall)
     scan.snapshot()
+    at_one_exposure(np.zeros((1, 3), np.uint8), np.full(1, 2.0, np.float32), np.zeros(1, np.uint16))
     scan.store.drop_views(np.array([0]))
     least_worthy(scan.store.rows.last_seen, scan.store.rows.counts, 0, 0, 0)
     nothing = np.empty(0, np.int64)
