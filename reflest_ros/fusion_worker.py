@@ -180,11 +180,11 @@ class FusionWorker:
                 continue
             self.counts.fused += 1
             self.counts.redundant += scanned.fused.is_redundant
-            self.count_store()
             if scanned.keyframe is not None:
                 self.counts.keyframes += 1
+                self._on_keyframe(Keyframe(scanned.keyframe, arrival))  # first: it is waited for
                 self.counts.take_light(self._scanner.scan)
-                self._on_keyframe(Keyframe(scanned.keyframe, arrival))
+            self.count_store()
 
     def _report_drops(self) -> None:
         while self._reported_drops < self.counts.dropped:

@@ -62,6 +62,20 @@ def test_what_finds_no_room_is_dropped_counted_and_said(fusion):
     assert keyframes[0].snapshot.stamp_ns == next(views(1)).stamp_ns
 
 
+def test_a_keyframe_is_handed_on_before_anything_is_counted():
+    voxels = []
+    worker = FusionWorker(
+        FrameAssembler(CaptureSettings()), Scanner(ReflestSettings()),
+        lambda _: voxels.append(worker.counts.voxels), crash_is_failure,
+        queue_size=8, settle_after=0.05,
+    )  # fmt: skip
+    offer(worker, next(views(1)))
+    worker.start()
+    assert worker.call(lambda: worker.counts.voxels).result(60) > 0
+    assert voxels == [0]
+    worker.stop()
+
+
 def test_a_job_runs_after_what_came_before_it_and_its_error_reaches_the_caller(fusion):
     worker, _, _ = fusion
     offer(worker, next(views(1)))
