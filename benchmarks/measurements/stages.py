@@ -66,7 +66,7 @@ FUSION_STAGES = (
         "background light",
         (
             "reflest_core.fusion.scan:background_pixels",
-            "reflest_core.fusion.light_map:LightMap.add",
+            "reflest_core.fusion.light_map:LightMap.add_frame",
         ),
     ),
     Stage(SNAPSHOT, ("reflest_core.estimation.scanner:Scanner.snapshot",)),
