@@ -62,6 +62,12 @@ def light_recipe(recipe: Recipe, arguments: argparse.Namespace) -> Recipe:
                 "--loss, --lambda and --realism are not lightnet's: its loss is a likelihood, and "
                 "half of its looks have faults anyway"
             )
+    for name in ("nodes_per_voxel", "views", "candidates"):
+        if getattr(arguments, name) is not None:
+            option = name.replace("_", "-")
+            raise ParameterError(f"lightnet has no --{option}: its looks are drawn when shaded")
+    if arguments.recipe == "paper":
+        raise ParameterError("the paper has no recipe for lightnet: leave --recipe out")
     if arguments.hold_out and arguments.calibration:
         raise ParameterError(
             "--calibration goes without --hold-out: what is held out gives a calibration itself"

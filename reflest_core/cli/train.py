@@ -15,14 +15,13 @@ from reflest_core.cli.light_options import (
     refuse_light_options,
 )
 from reflest_core.cli.recipe_options import add_recipe_options, changed_recipe
+from reflest_core.cli.training_run import follow, started
 from reflest_core.parameter import ParameterError
 
 if TYPE_CHECKING:
-    from reflest_core.training.course import Course
     from reflest_core.training.data import TrainingData
     from reflest_core.training.processes import Processes
     from reflest_core.training.recipe import Recipe
-    from reflest_core.training.starting_weights import StartingWeights
 
 
 def add_parser(subparsers: Any) -> None:
@@ -141,53 +140,19 @@ def _train(
 ) -> None:
     from reflest_core.training.surface_course import SurfaceCourse
 
-    recipe, start = _started(changed_recipe(base, arguments, parts=processes.count), arguments)
+    recipe, start = started(changed_recipe(base, arguments, parts=processes.count), arguments)
     course = SurfaceCourse(recipe, data, processes.device)
-    _follow(course, len(data.training), arguments, folder, name, processes, start)
+    follow(course, len(data.training), arguments, folder, name, processes, start)
 
 
 def _train_lightnet(arguments: argparse.Namespace, processes: Processes) -> None:
     from reflest_core.training.recipe import RECIPES
 
     recipe = changed_recipe(RECIPES["lightnet"], arguments, parts=processes.count)
-    recipe, start = _started(light_recipe(recipe, arguments), arguments)
+    recipe, start = started(light_recipe(recipe, arguments), arguments)
     course = light_course(recipe, arguments, processes)
     looks = len(course.data.training)
-    _follow(course, looks, arguments, arguments.out, "lightnet", processes, start)
-
-
-def _started(
-    recipe: Recipe, arguments: argparse.Namespace
-) -> tuple[Recipe, StartingWeights | None]:
-    """The recipe with what --from says, and the weights themselves."""
-    import dataclasses
-
-    from reflest_core.training.starting_weights import StartingWeights
-
-    if arguments.start is None:
-        return recipe, None
-    start = StartingWeights.read(arguments.start, recipe)
-    return dataclasses.replace(recipe, start=start.name), start
-
-
-def _follow(
-    course: Course[Any],
-    examples: int,
-    arguments: argparse.Namespace,
-    folder: Path,
-    name: str,
-    processes: Processes,
-    start: StartingWeights | None,
-) -> None:
-    from reflest_core.training.run_folder import RunFolder
-    from reflest_core.training.trainer import Trainer
-
-    place = RunFolder(folder, name, arguments.validate_every, arguments.tensorboard)
-    if processes.is_first:
-        print(f"training {name} on {examples} examples: {course.recipe}", flush=True)
-    path = Trainer(course, place, processes, start).run()
-    if processes.is_first:
-        print(f"weights: {path}", flush=True)
+    follow(course, looks, arguments, arguments.out, "lightnet", processes, start)
 
 
 def _base(arguments: argparse.Namespace) -> Recipe:

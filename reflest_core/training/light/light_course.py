@@ -65,8 +65,11 @@ class LightCourse:
         return light_batches(self.data.training, self.recipe, first, parts, self.device)
 
     def loss(self, network: torch.nn.Module, batch: LightBatch) -> torch.Tensor:
-        """The likelihood of the truth, or its squared error without the uncertainty."""
-        means, log_variances = network(**batch.look)
+        """The likelihood of the truth, or its squared error without the uncertainty; in float32."""
+        reduced = self.recipe.precision == "bfloat16"
+        with torch.autocast(self.device.type, torch.bfloat16, enabled=reduced):
+            means, log_variances = network(**batch.look)
+        means, log_variances = means.float(), log_variances.float()
         truth = (batch.ward - self._mean) / self._stddev
         if "uncertainty" in self.recipe.without:
             # All outputs take part, as processes that train together ask for.

@@ -1,14 +1,10 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What the axes of a :class:`Shading`'s arrays are: how they are padded, thinned and varied."""
+"""The arrays of a :class:`Shading`, by their axes: how they are padded, thinned and varied."""
 
 from __future__ import annotations
 
-import inspect
-
-from reflest_core.models.lightnet import LightNet
-
-_AXES = {
+AXES = {
     "is_seen": "VO",
     "apparent": "VOC",
     "clipped": "VOC",
@@ -28,5 +24,3 @@ _AXES = {
 }
 """V voxels, O observations of one voxel, C colour channels, K roughnesses, D a direction in the
 world, F what a fit says, Z rings of elevation, R three colour channels and then shares."""
-AXES = {name: _AXES[name] for name in list(inspect.signature(LightNet.forward).parameters)[1:]}
-"""Of the arrays that ``lightnet`` takes in."""

@@ -3,6 +3,7 @@
 """Training lightnet: variations stay true, the loss has known values, a killed run goes on."""
 
 import dataclasses
+import inspect
 import math
 
 import numpy as np
@@ -52,11 +53,22 @@ def made_looks(count, seed):
     }  # fmt: skip
     surface = sphere_surface(VOXELS, 30)
     look = surface_shading(surface, np.arange(VOXELS))
-    for name in AXES.keys() - arrays.keys():
+    for name in sorted(AXES.keys() - arrays.keys()):
         arrays[name] = rng.normal(size=(count, *getattr(look, name).shape))
     as_stored = {n: a if a.dtype == bool else a.astype(np.float16) for n, a in arrays.items()}
     many = np.full(count, 100)
     return Shadings(as_stored, ward, many, np.arange(count), np.full(count, "sky-0"))
+
+
+def test_every_input_of_the_network_has_its_axes():
+    assert list(AXES) == list(inspect.signature(LightNet.forward).parameters)[1:]
+    surface = sphere_surface(VOXELS, 30)
+    look = surface_shading(surface, np.arange(VOXELS))
+    for name, axes in AXES.items():
+        shape = getattr(look, name).shape
+        assert len(shape) == len(axes)
+        known = {"V": VOXELS, "O": SLOTS, "C": 3, "K": K, "D": 3}
+        assert all(known.get(axis, size) == size for axis, size in zip(axes, shape, strict=True))
 
 
 def test_varied_looks_still_obey_the_physics_of_their_truth():
@@ -122,7 +134,8 @@ def test_a_killed_training_goes_on_to_the_same_weights(tmp_path):
 def test_it_learns_what_the_looks_tell(tmp_path):
     """From exact looks, the truth: far better than the mean after a few hundred minibatches."""
     data = LightData(made_looks(200, 0), made_looks(50, 1))
-    recipe = dataclasses.replace(RECIPE, minibatches=150, batch_size=16, voxels=8, warm_up=10)
+    small = {"minibatches": 150, "batch_size": 16, "voxels": 8, "warm_up": 10, "average": 0.9}
+    recipe = dataclasses.replace(RECIPE, **small)
     path = trainer(tmp_path, data, recipe, every=150).run()
     rmse = float((tmp_path / "log.csv").read_text().splitlines()[-1].split(",")[2])
     assert rmse < 0.8
@@ -136,6 +149,6 @@ def test_padding_is_never_looked_at():
     unseen = ~clean["is_seen"].any(dim=2)
     dirty["voxel_fit"][unseen] = 7.0
     dirty["normals"][unseen] = 5.0
-    module = LightNet()
+    module = LightNet().eval()
     for one, other in zip(module(**clean), module(**dirty), strict=True):
         torch.testing.assert_close(one, other)

@@ -1,0 +1,134 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""``reflest train --model lightnet``: from scenes to calibrated weights, and what it refuses."""
+
+import json
+
+import numpy as np
+import pytest
+
+from reflest_core.cli.main import main
+from reflest_core.models.weights import load_weights
+from test.core.training.scenes import write_synbrdf
+
+QUICK = [
+    "--model", "lightnet", "--device", "cpu", "--threads", "1", "--jobs", "1", "--looks", "2",
+    "--minibatches", "2", "--batch-size", "4", "--voxels", "6",
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    """Six scenes under "sunny" light and six under "dim", three and three for validation."""
+    return write_synbrdf(tmp_path_factory.mktemp("set") / "data", train=12, validation=6)
+
+
+@pytest.fixture(scope="module")
+def shadings(tmp_path_factory):
+    """Shared by all runs."""
+    return tmp_path_factory.mktemp("shadings")
+
+
+@pytest.fixture(scope="module")
+def run(data, shadings, tmp_path_factory):
+    """Train with some options; return the folder."""
+
+    def train(*options):
+        out = tmp_path_factory.mktemp("run")
+        where = ["--out", str(out), "--shadings", str(shadings)]
+        assert main(["train", str(data), *QUICK, *where, *options]) == 0
+        return out
+
+    return train
+
+
+@pytest.fixture(scope="module")
+def held_out(run):
+    return run("--hold-out", "dim")
+
+
+def figures(folder):
+    return json.loads((folder / "held_out.json").read_text())
+
+
+def test_held_out_light_is_neither_trained_on_nor_validated_by_but_measured(held_out):
+    found = figures(held_out)
+    assert found["recipe"]["data"]["train_looks"] == 6 * 2
+    for split, looks in (("validation", 3), ("held_out", 6)):
+        assert list(found["splits"][split]) == ["100", "30", "10"]
+        for measured in found["splits"][split].values():
+            assert measured["looks"] == looks
+            assert len(measured["rmse_per_parameter"]) == 5
+            per_parameter = np.square(measured["rmse_per_parameter"]).mean()
+            assert measured["rmse"] == pytest.approx(np.sqrt(per_parameter))
+
+
+def test_ninety_percent_intervals_hold_so_many_of_the_held_out_truths(held_out):
+    found = figures(held_out)
+    views = found["splits"]["held_out"].values()
+    held = np.mean([measured["held_by_90_percent_intervals"] for measured in views], axis=0)
+    # 18 looks: the quantile lies between the 16th and the 17th.
+    assert np.all((held > 0.88) & (held < 0.95))
+    _, card, _ = load_weights(held_out / "lightnet.safetensors")
+    np.testing.assert_array_equal(card.stddev_factors, found["stddev_factors"])
+    assert np.all(card.stddev_factors > 0)
+    np.testing.assert_allclose(np.diag(card.error_correlation), 1.0)
+    assert np.linalg.eigvalsh(card.error_correlation).min() > -1e-9
+    assert card.recipe["hold_out"] == ["dim"]
+
+
+def test_a_training_on_everything_takes_the_calibration_of_another(run, held_out, tmp_path):
+    weights = held_out / "lightnet.safetensors"
+    everything = run("--calibration", str(weights))
+    assert figures(everything)["recipe"]["data"]["train_looks"] == 12 * 2
+    assert list(figures(everything)["splits"]) == ["validation"]
+    _, card, _ = load_weights(everything / "lightnet.safetensors")
+    _, known, _ = load_weights(weights)
+    np.testing.assert_array_equal(card.stddev_factors, known.stddev_factors)
+    np.testing.assert_array_equal(card.error_correlation, known.error_correlation)
+
+
+def test_scenes_of_a_second_folder_are_trained_on_alone(data, shadings, run, tmp_path):
+    other = write_synbrdf(tmp_path / "more", train=4)
+    out = tmp_path / "run"
+    where = ["--out", str(out), "--shadings", str(shadings)]
+    assert main(["train", str(data), str(other), *QUICK, *where]) == 0
+    assert figures(out)["recipe"]["data"]["train_looks"] == (12 + 4) * 2
+    assert figures(out)["splits"]["validation"]["100"]["looks"] == 6
+
+
+def test_what_it_does_without_is_in_the_card_and_in_the_measure(run):
+    out = run("--without", "light", "uncertainty")
+    _, card, _ = load_weights(out / "lightnet.safetensors")
+    assert card.recipe["without"] == ["light", "uncertainty"]
+    plain = figures(run())["splits"]["validation"]["100"]["rmse"]
+    assert figures(out)["splits"]["validation"]["100"]["rmse"] != plain
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--hold-out", "noon"], "has no environment 'noon' to hold out; choose of sunny, dim"),
+        (["--without", "sense"], "has no part 'sense' to do without; choose of light, fit"),
+        (["--hold-out", "dim", "--calibration", "x"], "--calibration goes without --hold-out"),
+        (["--loss", "rmse1"], "its loss is a likelihood"),
+        (["--views", "5", "10"], "lightnet has no --views"),
+    ],
+)
+def test_what_cannot_be_is_refused(data, shadings, tmp_path, capsys, options, message):
+    where = ["--out", str(tmp_path), "--shadings", str(shadings)]
+    assert main(["train", str(data), *QUICK, *where, *options]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_a_calibration_that_is_none_is_refused(data, run, tmp_path, capsys):
+    weights = run() / "lightnet.safetensors"
+    given = ["--out", str(tmp_path), "--calibration", str(weights)]
+    assert main(["train", str(data), *QUICK, *given]) == 2
+    assert "was not calibrated" in capsys.readouterr().err
+
+
+def test_other_networks_have_none_of_its_options(data, tmp_path, capsys):
+    command = ["train", str(data), "--model", "hemicnn", "--out", str(tmp_path)]
+    assert main([*command, "--hold-out", "dim"]) == 2
+    assert "--hold-out goes with --model lightnet" in capsys.readouterr().err
