@@ -53,7 +53,12 @@ class ObservedSurface:
     @property
     def observing_views(self) -> int:
         """Views that hold at least one of the observations."""
-        return _distinct(self.view_indices, len(self.view_centres))
+        return int(self.is_observing.sum())
+
+    @property
+    def is_observing(self) -> NDArray[np.bool_]:
+        """(W,) True for views that hold at least one of the observations."""
+        return _occurring(self.view_indices, len(self.view_centres))
 
     def view_directions(self) -> NDArray[np.float32]:
         """(O, 3) float32: ``omega_o`` of every observation, unit, from voxel to camera centre."""
@@ -64,12 +69,12 @@ class ObservedSurface:
 
 
 @compiled
-def _distinct(indices: NDArray[np.uint16], limit: int) -> int:
-    """How many different values below ``limit`` there are."""
+def _occurring(indices: NDArray[np.uint16], limit: int) -> NDArray[np.bool_]:
+    """(limit,) which values below ``limit`` there are."""
     is_there = np.zeros(limit, np.bool_)
     for index in indices:
         is_there[index] = True
-    return int(is_there.sum())
+    return is_there
 
 
 SURFACE_ARRAYS = tuple(f.name for f in fields(ObservedSurface) if f.name != "light")

@@ -42,7 +42,8 @@ class LiveLightNet:
 
     def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Scores:
         """What the shading of ``voxels`` tells, under the light that the surface was seen in."""
-        return Scores(*self.evaluate(surface_shading(surface, voxels)))
+        with one_blas_thread():
+            return Scores(*self.evaluate(surface_shading(surface, voxels)))
 
     def evaluate(self, look: Shading) -> tuple[Array, Array]:
         """Means and log variances, (5,) each, of the z-scored parameters."""

@@ -114,7 +114,7 @@ def _of_views(found: Explanation) -> Array:
 
 def _of_images(surface: ObservedSurface) -> Array:
     """(3, 2): logarithms of the mean foreground and background colour, F and B."""
-    observed = np.unique(surface.view_indices)
+    observed = np.flatnonzero(surface.is_observing)
     colours = np.stack([surface.view_foreground[observed], surface.view_background[observed]])
     known = np.where(np.isfinite(colours), colours, 0.0)
     mean = known.sum(axis=1) / np.maximum(np.isfinite(colours).sum(axis=1), 1)
