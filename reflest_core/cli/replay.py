@@ -8,6 +8,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from reflest_core.models.model_choice import MODELS
+
 EPILOG = """A capture is an .mcap or .db3 file, a rosbag2 directory, a 7-Scenes folder or a TUM
 folder. Topics are found by their types; name them where several would fit."""
 
@@ -24,7 +26,7 @@ def add_parser(subparsers: Any) -> None:
         "--environment", type=Path, metavar="FILE",
         help="write the light around the object as .hdr or .exr",
     )  # fmt: skip
-    parser.add_argument("--model", help="hemicnn, grouplet-fast or grouplet-slow")
+    parser.add_argument("--model", help=f"one of {', '.join(MODELS)}")
     parser.add_argument("--weights", metavar="FILE", help="weights in place of the shipped ones")
     parser.add_argument("--config", type=Path, metavar="YAML", help="a ROS parameter file")
     topics = parser.add_argument_group("topics of a bag")
