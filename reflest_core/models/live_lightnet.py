@@ -42,8 +42,7 @@ class LiveLightNet:
 
     def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Scores:
         """What the shading of ``voxels`` tells, under the light that the surface was seen in."""
-        with one_blas_thread():
-            return Scores(*self.evaluate(surface_shading(surface, voxels)))
+        return Scores(*self.evaluate(surface_shading(surface, voxels)))
 
     def evaluate(self, look: Shading) -> tuple[Array, Array]:
         """Means and log variances, (5,) each, of the z-scored parameters."""

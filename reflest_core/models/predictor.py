@@ -19,6 +19,7 @@ from reflest_core.models import lightnet_shapes, live_grouplet, live_hemicnn, li
 from reflest_core.models.model_choice import MODELS
 from reflest_core.models.quantisation import Tensors
 from reflest_core.models.scores import Scores
+from reflest_core.models.threads import one_blas_thread
 from reflest_core.models.torch_network import TorchNetwork
 from reflest_core.models.weights import SHIPPED, WeightsError, check_fits, load_weights
 
@@ -79,6 +80,10 @@ class Predictor:
 
     def predict(self, surface: ObservedSurface) -> Prediction:
         """Estimate from the surface's chosen voxels; it needs at least one observed voxel."""
+        with one_blas_thread():
+            return self._predict(surface)
+
+    def _predict(self, surface: ObservedSurface) -> Prediction:
         voxels = choose_voxels(surface, self.voxels)
         scores = self.network.scores(surface, voxels)
         values = self.card.output_statistics.restore(scores.means.astype(np.float64))

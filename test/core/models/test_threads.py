@@ -3,9 +3,14 @@
 """Threads of an estimate: bounded, and nobody's limit is lifted by another's end."""
 
 import pytest
+import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from reflest_core.models import live_grouplet, live_hemicnn, live_lightnet
+from reflest_core.models.predictor import Predictor
 from reflest_core.models.threads import one_blas_thread, run_in_threads
+from test.core.surfaces import sphere_surface
+from test.core.weight_files import untrained_lightnet
 
 
 def blas_threads():
@@ -44,3 +49,26 @@ def test_a_thread_that_fails_is_heard_of():
 
     with pytest.raises(ValueError, match="worker 1"):
         run_in_threads(work, 2)
+
+
+@pytest.mark.parametrize(
+    ("model", "network", "features"),
+    [
+        ("lightnet", live_lightnet, "surface_shading"),
+        ("grouplet-fast", live_grouplet, "draw_grouplets"),
+        ("hemicnn", live_hemicnn, "hemisphere_images"),
+    ],
+)
+def test_features_are_built_on_one_thread_too(model, network, features, monkeypatch, tmp_path):
+    threads = []
+    build = getattr(network, features)
+
+    def built(*arguments):
+        threads.append(blas_threads())
+        return build(*arguments)
+
+    monkeypatch.setattr(network, features, built)
+    predictor = Predictor(model, untrained_lightnet(tmp_path) if model == "lightnet" else None)
+    with threadpool_limits(2, user_api="blas"):
+        predictor.predict(sphere_surface(voxels=600, views=20))
+    assert threads == [{1}]
