@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from reflest_core.evaluation.ablation import collect_ablation
 from reflest_core.evaluation.baselines import measure_baselines
 from reflest_core.evaluation.calibration import measure_calibration
 from reflest_core.evaluation.contact_sheet import SHOWN, draw_contact_sheet
@@ -120,8 +121,6 @@ def _ablation(study: Study) -> Figures:
     folder = study.settings.ablation
     if folder is None:
         raise EvaluationError("part ablation needs --ablation FOLDER, with trainings of lightnet")
-    from reflest_core.evaluation.ablation import collect_ablation
-
     return collect_ablation(folder)
 
 
