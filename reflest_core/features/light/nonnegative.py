@@ -25,7 +25,9 @@ def nonnegative_minimum(
     Algorithm for the Non-negative Least Squares Problem").
     """
     x = np.maximum(start, 0.0)
-    slope = matrix @ x - vector
+    slope = -vector
+    for i in range(len(x)):  # "matrix @ x" would be left to a BLAS with threads of its own
+        slope += x[i] * matrix[i]
     for _ in range(SWEEPS):
         moved = 0.0
         for i in range(len(x)):

@@ -3,12 +3,11 @@
 """Threads of an estimate: bounded, and nobody's limit is lifted by another's end."""
 
 import pytest
-import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from reflest_core.models import live_grouplet, live_hemicnn, live_lightnet
 from reflest_core.models.predictor import Predictor
-from reflest_core.models.threads import one_blas_thread, run_in_threads
+from reflest_core.models.threads import _libraries, one_blas_thread, run_in_threads
 from test.core.surfaces import sphere_surface
 from test.core.weight_files import untrained_lightnet
 
@@ -60,6 +59,7 @@ def test_a_thread_that_fails_is_heard_of():
     ],
 )
 def test_features_are_built_on_one_thread_too(model, network, features, monkeypatch, tmp_path):
+    _libraries.cache_clear()  # other tests may have loaded another BLAS meanwhile
     threads = []
     build = getattr(network, features)
 
