@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from reflest_core.features.light.completion import LightPyramid, complete, levels_below
 from reflest_core.features.light.diffuse_colours import QUANTILE, diffuse_colours
+from reflest_core.features.light.gloss_fit import GlossFit, fit_gloss
 from reflest_core.features.light.irradiance import DARKEST, mean_radiance
 from reflest_core.features.light.light_from_shading import EVEN, FREE, InferredLight, infer_light
 from reflest_core.features.light.light_patches import diffuse_response, patch_image
@@ -28,13 +29,13 @@ SHADED, SAMPLED = 512, 96
 
 @dataclass(frozen=True)
 class Explanation:
-    """What was found in two rounds, and what it was found from.
+    """What was found, and what it was found from.
 
     ``filled``, ``light``: the light after pull and push alone, and as the shading completes it.
     ``surface_normals``, ``colours``: (D, 3) of voxels, linear, without highlights.
     ``sample``: the observations that the material was fitted to, ``lobes``: (O, K, 5) the light in
-    their lobes. ``inferred``: the first round's light, the second's, and with a free prior.
-    ``materials``: the first and the second round's.
+    their lobes. ``inferred``: the light by the colours, by the colours less the gloss, and by the
+    colours with a free prior. ``gloss``: by what was seen alone. ``material``: by the whole light.
     """
 
     filled: LightPyramid
@@ -44,7 +45,8 @@ class Explanation:
     sample: SurfaceSample
     lobes: NDArray[np.float32]
     inferred: tuple[InferredLight, InferredLight, InferredLight]
-    materials: tuple[MaterialFit, MaterialFit]
+    gloss: GlossFit
+    material: MaterialFit
 
 
 def explain(surface: ObservedSurface, light: ObservedLight) -> Explanation:
@@ -55,15 +57,16 @@ def explain(surface: ObservedSurface, light: ObservedLight) -> Explanation:
     normals = surface.normals[voxels]
     response = diffuse_response(light, filled, normals)
     sample = sampled(surface, choose_voxels(surface, SAMPLED))
-    first = infer_light(response, colours)
+    first = infer_light(response, colours, EVEN)
     free = infer_light(response, colours, FREE)
-    material, lobes = _material(sample, completed(light, filled, first))
-    matte = _without_gloss(sample, lobes, material)
+    lobes = lobe_radiance(filled, sample.normals[sample.voxel_of], sample.directions)
+    gloss = fit_gloss(sample.colours, sample.clipped, lobes, sample.voxel_of)
+    matte = _without_gloss(sample, lobes, gloss)
     second = infer_light(diffuse_response(light, filled, sample.normals), matte, EVEN)
     final = completed(light, filled, second)
-    refined, lobes = _material(sample, final)
+    material, lobes = _material(sample, final)
     return Explanation(
-        filled, final, normals, colours, sample, lobes, (first, second, free), (material, refined)
+        filled, final, normals, colours, sample, lobes, (first, second, free), gloss, material
     )
 
 
@@ -93,10 +96,10 @@ def _material(
 
 
 def _without_gloss(
-    sample: SurfaceSample, lobes: NDArray[np.float32], material: MaterialFit
+    sample: SurfaceSample, lobes: NDArray[np.float32], gloss: GlossFit
 ) -> NDArray[np.float32]:
     """(V, 3): a low quantile of what each voxel shows beside its gloss; 1 where all is clipped."""
-    share = material.gloss * material.weight
+    share = gloss.gloss * gloss.weight
     rest = np.maximum(sample.colours - np.einsum("okc,k->oc", lobes[..., :3], share), 0.0)
     rest = np.where(sample.clipped, np.float32(1.0), np.minimum(rest, np.float32(0.999)))
     grid = np.sort(sample.spread(rest - 2.0), axis=1)

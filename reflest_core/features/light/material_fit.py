@@ -47,9 +47,14 @@ def fit_material(
 ) -> MaterialFit:
     """``apparent``: (O, 3). ``lobe``: (O, K, 3). ``weight``: (O, 3), 0 where clipped."""
     albedo, gloss, misfit = _fit(apparent, lobe, weight)
-    ratio = np.maximum(misfit, SMALLEST_MISFIT) / max(float(misfit.min()), SMALLEST_MISFIT)
-    likely = ratio**-SHARPNESS
-    return MaterialFit(albedo, gloss, misfit, (likely / likely.sum()).astype(np.float32))
+    return MaterialFit(albedo, gloss, misfit, likelihood(misfit, SHARPNESS))
+
+
+def likelihood(misfit: NDArray[np.float32], sharpness: float) -> NDArray[np.float32]:
+    """(K,) shares that sum to 1, as the inverse of ``misfit`` to the power of ``sharpness``."""
+    known = np.maximum(misfit, np.float32(1e-3))
+    likely = (known / known.min()) ** -sharpness
+    return np.asarray(likely / likely.sum(), np.float32)
 
 
 @compiled

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.features.light.explained_light import Explanation
+from reflest_core.features.light.gloss_fit import GlossFit
 from reflest_core.features.light.irradiance import DARKEST, mean_radiance
 from reflest_core.features.light.light_from_shading import InferredLight
 from reflest_core.features.light.material_fit import MaterialFit
@@ -17,7 +18,7 @@ from reflest_core.features.light.ward_lobe import ROUGHNESSES
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.octahedral import octahedral_solid_angles
 
-CHANNEL_STATISTICS, STATISTICS = 51, 58
+CHANNEL_STATISTICS, STATISTICS = 42, 69
 """How many numbers there are of a colour channel, and of all channels."""
 LEAST = 0.01
 """Added before a logarithm of a ratio or an albedo."""
@@ -46,13 +47,20 @@ def scene_statistics(surface: ObservedSurface, found: Explanation) -> SceneStati
             _of_shading(found),
             _of_views(found),
             _of_images(surface),
-            *[_log(material.albedo.T) for material in found.materials],
-            *[_log(material.weight @ material.albedo)[:, None] for material in found.materials],
+            _log(found.material.albedo.T),
+            _log(found.material.weight @ found.material.albedo)[:, None],
         ],
         axis=1,
     )
     of_all = np.concatenate(
-        [*[_of_gloss(m) for m in found.materials], _of_coverage(found), _of_scan(surface, found)]
+        [
+            _of_roughness(found.material),
+            _of_roughness(found.gloss),
+            np.log(found.gloss.deviation) + 4.0,
+            np.log(found.gloss.count[list(_PROBED)] + 1.0) - 4.0,
+            _of_coverage(found),
+            _of_scan(surface, found),
+        ]
     )
     return SceneStatistics(_bounded(of_channels), _bounded(of_all))
 
@@ -121,8 +129,8 @@ def _of_images(surface: ObservedSurface) -> Array:
     return np.asarray(np.log(mean.T / 255.0 + 5 * LEAST), np.float32)
 
 
-def _of_gloss(material: MaterialFit) -> Array:
-    """(2 K + 5,): by roughness ``rho_s`` and misfit; of all, the best misfit and a mean."""
+def _of_roughness(material: MaterialFit | GlossFit) -> Array:
+    """(2 K + 4,): by roughness ``rho_s`` and misfit; of all, the best misfit and a mean."""
     best = max(float(material.misfit.min()), 1e-4)
     roughness = np.array(ROUGHNESSES, np.float32)
     mean = float(material.weight @ roughness)

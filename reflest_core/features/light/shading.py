@@ -9,6 +9,7 @@ strength matters: with the true light, an observation of Eq. 1 satisfies, in eve
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,9 +59,19 @@ class Shading:
     statistics: NDArray[np.float32]
 
 
-def shading(surface: ObservedSurface, light: ObservedLight, voxels: NDArray[np.int64]) -> Shading:
-    """What the light explains of the observations of ``voxels``, indices into ``surface``."""
+def shading(
+    surface: ObservedSurface,
+    light: ObservedLight,
+    voxels: NDArray[np.int64],
+    is_completed: bool = True,
+) -> Shading:
+    """What the light explains of the observations of ``voxels``, indices into ``surface``.
+
+    Unless ``is_completed``, the light is left as pull and push filled it (an ablation).
+    """
     found = explain(surface, light)
+    if not is_completed:
+        found = dataclasses.replace(found, light=found.filled)
     sample = sampled(surface, voxels)
     diffuse = mean_radiance(found.light, sample.normals)
     diffuse_light = np.maximum(diffuse[:, :3], DARKEST)

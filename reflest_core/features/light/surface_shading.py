@@ -19,12 +19,14 @@ ASSUMED_COVERAGE = 1e-3
 _LINEAR = np.asarray(srgb.decode(np.arange(256) / 255.0), np.float32)
 
 
-def surface_shading(surface: ObservedSurface, voxels: NDArray[np.int64]) -> Shading:
+def surface_shading(
+    surface: ObservedSurface, voxels: NDArray[np.int64], is_completed: bool = True
+) -> Shading:
     """The shading of ``voxels`` by ``surface.light``; by :func:`assumed_light` if none was seen."""
     light = surface.light
     if light is None or not light.coverage.any():
         light = assumed_light(surface)
-    return shading(surface, light, voxels)
+    return shading(surface, light, voxels, is_completed)
 
 
 def assumed_light(surface: ObservedSurface) -> ObservedLight:
