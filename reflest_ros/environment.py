@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 from rclpy.node import Node
 from sensor_msgs.msg import Image
 
-from reflest_core.environment.environment_map import EnvironmentMap, environment_map
+from reflest_core.environment.environment_map import EnvironmentMap, environment_map, nothing_seen
 from reflest_core.environment.picture import coverage_codes, tone_mapped
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.scanner import KeyframeSnapshot
-from reflest_core.fusion.light_map import LightMap
 from reflest_ros.stamp import ns_to_stamp
 from reflest_ros.view_publisher import ViewPublisher
 from reflest_ros.view_settings import EnvironmentSettings, read_settings
@@ -40,12 +39,11 @@ class Environment:
         frame_id = self._frame_id = keyframe.world_frame_id
         stamp_ns = keyframe.stamp_ns
         height = read_settings(self._node, "environment", EnvironmentSettings).height
-        light = keyframe.surface.light or LightMap().observed()
 
         # Three topics show one map, which is made when the first of them is looked at.
         @cache
         def made() -> EnvironmentMap:
-            return environment_map(light, height)
+            return environment_map(keyframe.surface, height)
 
         self._radiance.show(lambda: radiance_message(made(), frame_id, stamp_ns))
         self._coverage.show(lambda: coverage_message(made(), frame_id, stamp_ns))
@@ -53,7 +51,7 @@ class Environment:
 
     def clear(self) -> None:
         """Replace the last light, which stays readable, by one of which nothing was seen."""
-        empty = environment_map(LightMap().observed(), EnvironmentSettings().height)
+        empty = nothing_seen(read_settings(self._node, "environment", EnvironmentSettings).height)
         self._radiance.replace(radiance_message(empty, self._frame_id, 0))
         self._coverage.replace(coverage_message(empty, self._frame_id, 0))
         self._preview.replace(preview_message(empty, self._frame_id, 0))

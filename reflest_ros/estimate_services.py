@@ -55,8 +55,9 @@ class EstimateServices:
         return answer_with(response, work)
 
     def _export_light(self, format_name: str, path: Path) -> str:
-        light = self._fusion.call(self._fusion.snapshot).result().surface.light
-        export_environment(light, format_name, path)
+        surface = self._fusion.call(self._fusion.snapshot).result().surface
+        export_environment(surface, format_name, path)
+        light = surface.light
         return f"wrote {path}: light of which {light.seen_share if light else 0.0:.0%} was seen"
 
     def _estimate_now(self) -> BrdfEstimate:

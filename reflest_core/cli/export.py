@@ -51,6 +51,6 @@ def run(options: argparse.Namespace) -> int:
     elif options.environment is not None:
         raise ExportError(f"--environment lights a material; {options.format} is the light itself")
     else:
-        export_environment(Scan.load(options.source).light.observed(), options.format, options.out)
+        export_environment(Scan.load(options.source).snapshot(), options.format, options.out)
     print(f"wrote {options.out}")
     return 0

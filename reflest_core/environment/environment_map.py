@@ -10,9 +10,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.environment.completed_light import completed_light
 from reflest_core.environment.equirectangular import equirectangular_directions
-from reflest_core.features.light.completion import complete
-from reflest_core.fusion.light_map import ObservedLight
+from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.octahedral import octahedral_texels
 
 HEIGHT = 128
@@ -27,9 +27,9 @@ class EnvironmentMap:
 
     ``radiance``: (H, 2 H, 3) float32, linear sRGB, 1 at the sensor's white in the first frame:
     relative, for nobody knows the exposure. Where the light was seen it is what was seen, elsewhere
-    it is completed as for the estimate. ``coverage``: (H, 2 H) float32 in [0, 1], the share of the
-    pixel that was seen. ``clipped``: (H, 2 H) float32 in [0, 1], the share of what was seen there
-    that is known only as a lower bound, for the camera's white was passed.
+    it is completed (:func:`.completed_light`). ``coverage``: (H, 2 H) float32 in [0, 1], the share
+    of the pixel that was seen. ``clipped``: (H, 2 H) float32 in [0, 1], the share of what was seen
+    there that passed the camera's white, so that it is known only as a lower bound.
     """
 
     radiance: NDArray[np.float32]
@@ -37,15 +37,27 @@ class EnvironmentMap:
     clipped: NDArray[np.float32]
 
 
-def environment_map(light: ObservedLight, height: int = HEIGHT) -> EnvironmentMap:
-    """The map of ``height`` rows; all zeros where no light was seen at all."""
-    level = complete(light).levels[0]
-    looked_up = level.reshape(-1, level.shape[-1])[_texels(height, len(level))].mean(axis=2)
+def environment_map(surface: ObservedSurface, height: int = HEIGHT) -> EnvironmentMap:
+    """The light around ``surface`` in ``height`` rows; all zeros where none was seen at all."""
+    if surface.light is None or not surface.light.seen_share > 0.0:
+        return nothing_seen(height)
+    return from_octahedral(completed_light(surface), height)
+
+
+def from_octahedral(light: NDArray[np.float32], height: int = HEIGHT) -> EnvironmentMap:
+    """The map of ``light`` (N, N, 5): radiance (3), share seen, share seen clipped."""
+    looked_up = light.reshape(-1, light.shape[-1])[_texels(height, len(light))].mean(axis=2)
     coverage = looked_up[..., 3]
     clipped = looked_up[..., 4] / np.maximum(coverage, 1e-6)
     return EnvironmentMap(
         np.ascontiguousarray(looked_up[..., :3]), np.ascontiguousarray(coverage), clipped
     )
+
+
+def nothing_seen(height: int = HEIGHT) -> EnvironmentMap:
+    """The map of a scan that saw no light: black, and said to be unseen."""
+    black = np.zeros((height, 2 * height, 3), np.float32)
+    return EnvironmentMap(black, black[..., 0].copy(), black[..., 0].copy())
 
 
 @lru_cache(maxsize=2)

@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.environment.environment_map import environment_map
+from reflest_core.environment.environment_map import from_octahedral
 from reflest_core.environment.picture import tone_mapped
 from reflest_core.evaluation.plots import new_figure
 from reflest_core.evaluation.swatches import Swatch
+from reflest_core.features.light.completion import complete
 from reflest_core.fusion.light_map import ObservedLight
 from reflest_core.synbrdf.exposure import expose
 from reflest_core.synbrdf.scene_file import SynbrdfScene
@@ -61,4 +62,4 @@ def thumbnail_picture(scene: SynbrdfScene, view: int) -> Picture:
 
 def light_picture(light: ObservedLight) -> Picture:
     """The light as a lat-long sRGB picture, zenith up; dim where it was not seen but completed."""
-    return tone_mapped(environment_map(light, LIGHT_ROWS)) / 255.0
+    return tone_mapped(from_octahedral(complete(light).levels[0], LIGHT_ROWS)) / 255.0

@@ -11,7 +11,7 @@ from reflest_core.environment.environment_map import EnvironmentMap, environment
 from reflest_core.export.errors import ExportError, check_suffix
 from reflest_core.export.openexr import openexr
 from reflest_core.export.radiance_hdr import radiance_hdr
-from reflest_core.fusion.light_map import ObservedLight
+from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.whole_file import write_whole
 
 LIGHT_FORMATS: dict[str, tuple[str, Callable[[EnvironmentMap, str], bytes]]] = {
@@ -21,8 +21,8 @@ LIGHT_FORMATS: dict[str, tuple[str, Callable[[EnvironmentMap, str], bytes]]] = {
 """Name of a format to the suffix of its files and what makes their content."""
 
 
-def export_environment(light: ObservedLight | None, format_name: str, path: Path) -> None:
-    """Write ``light``, completed, to ``path``, whole or not at all.
+def export_environment(surface: ObservedSurface, format_name: str, path: Path) -> None:
+    """Write the light around ``surface``, completed, to ``path``, whole or not at all.
 
     ``format_name``: one of :data:`LIGHT_FORMATS`.
 
@@ -32,6 +32,7 @@ def export_environment(light: ObservedLight | None, format_name: str, path: Path
     """
     suffix, content = LIGHT_FORMATS[format_name]
     check_suffix(path, suffix, format_name)
+    light = surface.light
     if light is None or not light.seen_share > 0.0:
         raise ExportError(
             "no light around the object was seen: let the camera see past the object, and bound "
@@ -41,7 +42,7 @@ def export_environment(light: ObservedLight | None, format_name: str, path: Path
         f"reflest: light around the object; row 0 is +z, the middle +x, left of it +y of the world "
         f"frame; {light.seen_share:.0%} of all directions were seen, the others completed"
     )
-    write_whole(path, content(environment_map(light), note))
+    write_whole(path, content(environment_map(surface), note))
 
 
 def light_format(path: Path) -> str:

@@ -28,6 +28,7 @@ from reflest_core.fusion.octahedral import (
     octahedral_texel,
     octahedral_texels,
 )
+from test.core.export.lights import around
 
 HEIGHT = 64
 
@@ -55,7 +56,7 @@ def everywhere(radiance):
 def test_a_lamp_lands_where_the_convention_says(direction, row, column):
     lamp = octahedral_directions(SIZE) @ (np.array(direction) / np.linalg.norm(direction))
     light = everywhere(np.repeat((lamp > np.cos(np.deg2rad(4.0)))[..., None], 3, axis=-1))
-    bright = environment_map(light, HEIGHT).radiance[..., 0]
+    bright = environment_map(around(light), HEIGHT).radiance[..., 0]
     turn = np.exp(2j * np.pi * (np.arange(2 * HEIGHT) + 0.5) / (2 * HEIGHT))
     rows = (np.arange(HEIGHT) + 0.5) / HEIGHT
     assert (bright.sum(axis=1) @ rows) / bright.sum() == pytest.approx(row, abs=0.01)
@@ -65,7 +66,7 @@ def test_a_lamp_lands_where_the_convention_says(direction, row, column):
 
 def test_the_zenith_is_the_first_row():
     up = octahedral_directions(SIZE)[..., 2:] > np.cos(np.deg2rad(5.0))
-    bright = environment_map(everywhere(np.repeat(up, 3, axis=-1)), HEIGHT).radiance
+    bright = environment_map(around(everywhere(np.repeat(up, 3, axis=-1))), HEIGHT).radiance
     assert (bright[0] > 0.9).all()
     assert not bright[HEIGHT // 2 :].any()
 
@@ -76,7 +77,7 @@ def test_light_is_neither_lost_nor_won():
     given = (light.radiance * octahedral_solid_angles(SIZE)[..., None]).sum(axis=(0, 1))
     angles = equirectangular_solid_angles(HEIGHT)
     assert angles.sum() * 2 * HEIGHT == pytest.approx(4 * np.pi)
-    there = (environment_map(light, HEIGHT).radiance * angles[..., None]).sum(axis=(0, 1))
+    there = (environment_map(around(light), HEIGHT).radiance * angles[..., None]).sum(axis=(0, 1))
     np.testing.assert_allclose(there, given, rtol=2e-3)
 
 
@@ -88,7 +89,7 @@ def test_what_was_seen_is_kept_and_what_was_not_is_told_apart():
     colours[directions[:, 2] > np.abs(directions[:, 0]) + np.abs(directions[:, 1])] = 255
     light = LightMap()
     light.add(directions, colours)
-    environment = environment_map(light.observed(), HEIGHT)
+    environment = environment_map(around(light.observed()), HEIGHT)
     codes = coverage_codes(environment)
     middle, left_edge = HEIGHT, 0
     assert codes[HEIGHT // 2, middle] == SEEN
@@ -103,7 +104,7 @@ def test_what_was_seen_is_kept_and_what_was_not_is_told_apart():
 
 
 def test_nothing_seen_is_black_and_said_to_be_unseen():
-    environment = environment_map(LightMap().observed(), HEIGHT)
+    environment = environment_map(around(LightMap().observed()), HEIGHT)
     assert environment.radiance.shape == (HEIGHT, 2 * HEIGHT, 3)
     for array in dataclasses.astuple(environment):
         assert not array.any()

@@ -2,10 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """A light to export: one lamp in a dim room, a part of which nobody saw."""
 
+import dataclasses
+
 import numpy as np
 
 from reflest_core.fusion.light_map import SIZE, ObservedLight
 from reflest_core.fusion.octahedral import octahedral_directions
+from test.core.surfaces import sphere_surface, without_observations
 
 ROOM = np.array([0.02, 0.03, 0.04], np.float32)
 LAMP = np.array([6.0, 5.0, 4.0], np.float32)
@@ -20,3 +23,8 @@ def lamp_towards(direction, width=8.0):
     return ObservedLight(
         (radiance * seen[..., None]).astype(np.float32), seen, np.zeros((SIZE, SIZE), np.float32)
     )
+
+
+def around(light):
+    """A scan that saw the light and nothing of an object, whose shading would tell more."""
+    return dataclasses.replace(without_observations(sphere_surface(voxels=3)), light=light)

@@ -13,7 +13,7 @@ from reflest_core.export.material_file import export_estimate
 from reflest_core.fusion.light_map import LightMap
 from reflest_core.synbrdf.ward_bsdf import mi
 from test.core.export.estimates import GLOSSY_RED, glossy_red
-from test.core.export.lights import LAMP, lamp_towards
+from test.core.export.lights import LAMP, around, lamp_towards
 
 TOWARDS = ((0.3, -0.8, 0.5), (0.0, 1.0, 0.2), (-1.0, 0.1, -0.3), (0.9, 0.0, 0.0))
 
@@ -24,7 +24,7 @@ def written(tmp_path):
 
     def write(name, light):
         path = tmp_path / f"light{LIGHT_FORMATS[name][0]}"
-        export_environment(light, name, path)
+        export_environment(around(light), name, path)
         return path
 
     return write
@@ -33,7 +33,7 @@ def written(tmp_path):
 def test_opencv_reads_the_hdr_file(written):
     light = lamp_towards(TOWARDS[0])
     read = cv2.imread(str(written("hdr", light)), cv2.IMREAD_UNCHANGED)[..., ::-1]
-    expected = environment_map(light).radiance
+    expected = environment_map(around(light)).radiance
     assert read.shape == expected.shape == (128, 256, 3)
     # Eight bits beside an exponent that the brightest channel sets.
     step = expected.max(axis=-1, keepdims=True) / 128
@@ -43,7 +43,7 @@ def test_opencv_reads_the_hdr_file(written):
 def test_mitsuba_reads_the_exr_file_to_the_bit(written):
     light = lamp_towards(TOWARDS[0])
     bitmap = mi.Bitmap(str(written("exr", light)))
-    expected = environment_map(light)
+    expected = environment_map(around(light))
     assert bitmap.pixel_format() == mi.Bitmap.PixelFormat.RGBA
     read = np.array(bitmap)
     np.testing.assert_array_equal(read[..., :3], expected.radiance)
@@ -100,7 +100,7 @@ def test_usd_refers_to_the_light(written, tmp_path):
 
     (tmp_path / "lights").mkdir()
     light_file = tmp_path / "lights" / "room @ night.hdr"
-    export_environment(lamp_towards(TOWARDS[0]), "hdr", light_file)
+    export_environment(around(lamp_towards(TOWARDS[0])), "hdr", light_file)
     path = tmp_path / "material.usda"
     export_estimate(GLOSSY_RED, "usd", path, light_file)
     stage = Usd.Stage.Open(str(path))
@@ -134,12 +134,12 @@ def test_light_that_nobody_saw_is_not_written(tmp_path):
     path = tmp_path / "light.hdr"
     for light in (None, LightMap().observed()):
         with pytest.raises(ExportError, match="no light around the object was seen"):
-            export_environment(light, "hdr", path)
+            export_environment(around(light), "hdr", path)
     assert not path.exists()
 
 
 def test_a_suffix_of_no_light_is_refused(tmp_path):
     with pytest.raises(ExportError, match=r"must end in \.hdr for the format hdr"):
-        export_environment(lamp_towards(TOWARDS[0]), "hdr", tmp_path / "light.exr")
+        export_environment(around(lamp_towards(TOWARDS[0])), "hdr", tmp_path / "light.exr")
     with pytest.raises(ExportError, match=r"must end in \.hdr or \.exr"):
         light_format(tmp_path / "light.png")

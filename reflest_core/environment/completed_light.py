@@ -1,0 +1,65 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The light where nobody saw it: as bright as the object's shading asks for, smooth elsewise."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.features.light.completion import complete, halved
+from reflest_core.features.light.explained_light import explain
+from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.fusion.octahedral import octahedral_directions, octahedral_solid_angles
+
+LEAST_VOXELS = 50
+"""The shading of fewer tells nothing of the light."""
+COARSE, FINE = 24, 48
+"""Edges of the maps that brightness is averaged from, and given at."""
+SHARPNESS = 8
+"""Exponent of the cosine that weighs the average: half its height 24 degrees away."""
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
+"""Of linear sRGB (Rec. 709)."""
+
+
+def completed_light(surface: ObservedSurface) -> NDArray[np.float32]:
+    """(N, N, 5) octahedral, world frame: linear radiance (3), share seen, share seen clipped.
+
+    What was seen stays, but that clipped parts take what shading asks for beyond white. Elsewhere
+    colours come from the light around (:func:`.complete`), brightness from the shading
+    (:func:`.explain`): its patches, 34 degrees each, are right in how much light they send, but
+    not in their edges and hues. ``surface.light`` must be there.
+    """
+    light = surface.light
+    assert light is not None
+    if surface.voxel_count < LEAST_VOXELS:
+        return complete(light).levels[0]
+    found = explain(surface, light)
+    smooth, told = found.filled.levels[0], found.light.levels[0]
+    is_unseen = light.coverage == 0.0
+    brightness = _averaged(told[..., :3] @ LUMINANCE, is_unseen)
+    scale = brightness / np.maximum(smooth[..., :3] @ LUMINANCE, 1e-6)
+    completed = told.copy()
+    completed[is_unseen, :3] = smooth[is_unseen, :3] * scale[is_unseen, None]
+    return completed
+
+
+def _averaged(values: NDArray[np.float32], is_counted: NDArray[np.bool_]) -> NDArray[np.float32]:
+    """(N, N): means of ``values`` (N, N) within about 24 degrees, where ``is_counted``."""
+    pair = np.stack([values * is_counted, is_counted.astype(np.float32)], axis=-1)
+    while len(pair) > COARSE:
+        pair = halved(pair)
+    total, weight = (_kernel() @ pair.reshape(-1, 2)).T
+    mean = (total / np.maximum(weight, 1e-6)).reshape(FINE, FINE)
+    repeats = len(values) // FINE
+    return np.asarray(mean.repeat(repeats, axis=0).repeat(repeats, axis=1), np.float32)
+
+
+@cache
+def _kernel() -> NDArray[np.float32]:
+    """(FINE^2, COARSE^2): what each coarse texel counts for in each fine one."""
+    fine, coarse = (octahedral_directions(size).reshape(-1, 3) for size in (FINE, COARSE))
+    cosine = np.maximum(fine @ coarse.T, 0.0)
+    return np.asarray(cosine**SHARPNESS * octahedral_solid_angles(COARSE).reshape(-1), np.float32)
