@@ -20,7 +20,7 @@ CHANGES = (
 
 def add_recipe_options(parser: argparse.ArgumentParser) -> None:
     """Add an option for every field that is worth changing."""
-    parser.add_argument("--optimiser", choices=("adam", "rmsprop", "sgd"))
+    parser.add_argument("--optimiser", choices=("adam", "adamw", "rmsprop", "sgd"))
     parser.add_argument("--learning-rate", type=float)
     parser.add_argument("--momentum", type=float, help="of rmsprop and sgd")
     parser.add_argument("--minibatches", type=int)

@@ -14,7 +14,9 @@ from reflest_core.training.augmentation import Augmentation
 if TYPE_CHECKING:
     import torch
 
-OPTIMISERS = ("adam", "rmsprop", "sgd")
+OPTIMISERS = ("adam", "adamw", "rmsprop", "sgd")
+WEIGHT_DECAY = 0.03
+"""Of ``adamw``: what a weight loses in a minibatch, in units of the learning rate."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +25,7 @@ class Recipe:
 
     ``loss``: ``rmse1``, ``rmse2`` or ``cuberoot`` (Table 1); ``likelihood`` is ``lightnet``'s.
     ``colour_constancy``: lambda of E_c.
-    ``optimiser``: one of :data:`OPTIMISERS`; ``momentum`` counts for the latter two. The learning
+    ``optimiser``: one of :data:`OPTIMISERS`; ``momentum`` counts for the last two. The learning
     rate rises over ``warm_up`` minibatches, then holds for the share ``hold`` of all, then falls
     as a cosine to 0. ``batch_size``: scenes in each of the ``parts`` of a minibatch, which
     processes share. ``voxels``, ``nodes_per_voxel``: of one scene in a minibatch; fewer nodes than
@@ -73,6 +75,8 @@ class Recipe:
         weights, rate = module.parameters(), self.learning_rate
         if self.optimiser == "adam":
             return torch.optim.Adam(weights, lr=rate)
+        if self.optimiser == "adamw":
+            return torch.optim.AdamW(weights, lr=rate, weight_decay=WEIGHT_DECAY)
         if self.optimiser == "rmsprop":
             return torch.optim.RMSprop(weights, lr=rate, momentum=self.momentum)
         return torch.optim.SGD(weights, lr=rate, momentum=self.momentum)
@@ -112,8 +116,8 @@ RECIPES = {
         augmentation=Augmentation(spread=False),
     ),
     "lightnet": Recipe(
-        "lightnet", "likelihood", "adam", 3e-3, 0.0, 30_000, 32, voxels=32, validation_voxels=48,
-        warm_up=1000, hold=0.1, average=0.999, observations=8, largest_gradient=1.0,
+        "lightnet", "likelihood", "adamw", 2e-3, 0.0, 8000, 48, voxels=24, validation_voxels=48,
+        warm_up=500, hold=0.0, average=0.998, observations=6, largest_gradient=1.0,
     ),
 }  # fmt: skip
 """Ours: Adam, a rate that falls as a cosine all along, the running mean of the weights."""
