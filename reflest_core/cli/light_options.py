@@ -40,7 +40,7 @@ def add_light_options(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     group.add_argument(
         "--without", nargs="+", metavar="PART",
-        help="light, fit, shares, uncertainty: see what each buys",
+        help="light, fit, completion, shares, uncertainty: see what each buys",
     )  # fmt: skip
     group.add_argument("--observations", type=int, help="of one voxel in a minibatch")
 
@@ -95,5 +95,5 @@ def light_course(
     jobs = arguments.jobs or os.cpu_count() or 1
     place = ShadingPlace(arguments.shadings or arguments.out / "shadings", jobs)
     with processes.first_alone():
-        data = load_light_data(arguments.data, arguments.looks or LOOKS, recipe.hold_out, place)
+        data = load_light_data(arguments.data, recipe, arguments.looks or LOOKS, place)
     return LightCourse(recipe, data, processes.device, calibration)

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Shading of a data set on disk: whole, resumed, the same each time, the truth beside it."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -89,6 +91,15 @@ def test_only_looks_under_the_chosen_light_are_made_and_loaded(data, tmp_path):
     assert rest.scene.tolist() == [0, 0, 0]
     with pytest.raises(TrainingError, match="no scene to look at"):
         load_shadings(paths, lambda card: False)
+
+
+def test_light_can_be_left_as_it_was_seen(data, tmp_path):
+    whole, seen = (
+        load_shadings(make_shadings(data, plan, tmp_path, jobs=1))
+        for plan in (TRAIN, dataclasses.replace(TRAIN, is_completed=False))
+    )
+    np.testing.assert_array_equal(whole.arrays["cosine"], seen.arrays["cosine"])
+    assert np.any(whole.arrays["diffuse_light"] != seen.arrays["diffuse_light"])
 
 
 def test_a_split_that_is_not_there_is_named(data, tmp_path):

@@ -17,11 +17,14 @@ Look = dict[str, torch.Tensor]
 PARTS = {
     "light": "where light comes from: F, B and the observations alone are left",
     "fit": "fits of roughness and albedo to voxels and to the scene",
+    "completion": "what shading tells of light that was not seen, or seen clipped",
     "shares": "how much of the light was seen, and how much of that was clipped",
     "uncertainty": "the likelihood: the loss is the plain squared error",
 }
 """The names of the parts, and what each is."""
 
+STATISTICS = ("channel_statistics", "statistics")
+"""Found together with the completed light; the rest is shaded anew without it."""
 SHARES = ("lobe_seen", "lobe_clipped", "diffuse_seen", "diffuse_clipped")
 
 
@@ -38,6 +41,9 @@ def hide(look: Look, without: tuple[str, ...]) -> None:
     """Take the named parts out of ``look``, in place."""
     if "light" in without:
         _hide_directions(look)
+    if "completion" in without:
+        for name in STATISTICS:
+            look[name] = torch.zeros_like(look[name])
     if "fit" in without or "light" in without:
         for name in (name for name, axes in AXES.items() if "F" in axes):
             look[name] = torch.zeros_like(look[name])

@@ -15,6 +15,7 @@ from reflest_core.training.light.look_plan import SOURCES, LookPlan
 from reflest_core.training.light.shading_file import LookCard
 from reflest_core.training.light.shading_shards import make_shadings
 from reflest_core.training.light.shadings import Shadings, load_shadings
+from reflest_core.training.recipe import Recipe
 from reflest_core.training.sample import TrainingError
 
 
@@ -38,9 +39,13 @@ class ShadingPlace:
     folder: Path
     jobs: int
 
+    def made(self, data: Path, plan: LookPlan) -> list[Path]:
+        """See :func:`make_shadings`."""
+        return make_shadings(data, plan, self.folder, self.jobs)
+
 
 def load_light_data(
-    folders: list[Path], looks: int, hold_out: tuple[str, ...], place: ShadingPlace
+    folders: list[Path], recipe: Recipe, looks: int, place: ShadingPlace
 ) -> LightData:
     """Shade what is not shaded yet, and load it.
 
@@ -48,6 +53,7 @@ def load_light_data(
     validation and held-out looks are at scenes of the first alone, so that adding a folder leaves
     what is measured as it is. Held-out looks are at its training scenes.
     """
+    hold_out, is_completed = recipe.hold_out, "completion" not in recipe.without
     seeds = {folder.resolve().name: _manifest(folder).get("seed") for folder in folders}
 
     def is_known(card: LookCard) -> bool:
@@ -56,14 +62,14 @@ def load_light_data(
     paths = [
         path
         for folder in folders
-        for path in make_shadings(folder, LookPlan("train", looks), place.folder, place.jobs)
+        for path in place.made(folder, LookPlan("train", looks, (), is_completed))
     ]
-    validation = make_shadings(folders[0], LookPlan("validation"), place.folder, place.jobs)
+    measured = LookPlan("validation", is_completed=is_completed)
     training = load_shadings(paths, is_known)
     return LightData(
         training,
-        load_shadings(validation, is_known),
-        _held_out(folders[0], hold_out, place) if hold_out else None,
+        load_shadings(place.made(folders[0], measured), is_known),
+        _held_out(folders[0], recipe, place) if hold_out else None,
         {
             "seeds": seeds,
             "train_looks": len(training),
@@ -73,15 +79,15 @@ def load_light_data(
     )
 
 
-def _held_out(folder: Path, hold_out: tuple[str, ...], place: ShadingPlace) -> Shadings:
-    known = _manifest(folder).get("environments", [])
-    for name in hold_out:
+def _held_out(data: Path, recipe: Recipe, place: ShadingPlace) -> Shadings:
+    known = _manifest(data).get("environments", [])
+    for name in recipe.hold_out:
         if name not in known:
             raise TrainingError(
-                f"{folder} has no environment {name!r} to hold out; choose of {', '.join(known)}"
+                f"{data} has no environment {name!r} to hold out; choose of {', '.join(known)}"
             )
-    plan = LookPlan("train", only=hold_out)
-    return load_shadings(make_shadings(folder, plan, place.folder, place.jobs))
+    is_completed = "completion" not in recipe.without
+    return load_shadings(place.made(data, LookPlan("train", 0, recipe.hold_out, is_completed)))
 
 
 def _manifest(folder: Path) -> dict[str, Any]:

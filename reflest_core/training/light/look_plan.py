@@ -19,10 +19,10 @@ MEASURED_VIEWS = (100, 30, 10)
 """A scene that is measured is looked at with so many of its views, as they are."""
 SOURCES = (
     "brdf", "features/light", "features/voxel_choice.py", "features/tangent_frame.py",
-    "fusion/light_map.py", "fusion/octahedral.py", "fusion/thinning.py", "synbrdf/realism",
-    "synbrdf/exposure.py", "synbrdf/scene_light.py", "synbrdf/thumbnails.py",
-    "training/augmentation.py", "training/light/look_plan.py", "training/light/shaded_scene.py",
-    "training/light/shading_file.py",
+    "fusion/light_map.py", "fusion/observed_surface.py", "fusion/octahedral.py",
+    "fusion/thinning.py", "synbrdf/realism", "synbrdf/exposure.py", "synbrdf/scene_light.py",
+    "synbrdf/thumbnails.py", "training/augmentation.py", "training/light/look_plan.py",
+    "training/light/shaded_scene.py", "training/light/shading_file.py",
 )  # fmt: skip
 """The code that decides what a look shows, files and folders of ``reflest_core``."""
 
@@ -33,17 +33,21 @@ class LookPlan:
 
     ``varied``: how many looks at each scene, with views, exposure and faults as
     :func:`training_draw` has them; 0: one for each of :data:`MEASURED_VIEWS`. ``only``: of scenes
-    under one of these environments unmixed; of all scenes where it is empty.
+    under one of these environments unmixed; of all scenes where it is empty. ``is_completed``:
+    whether shading completes the light.
     """
 
     split: str
     varied: int = 0
     only: tuple[str, ...] = ()
+    is_completed: bool = True
 
     @property
     def name(self) -> str:
         """Of the folder that its shadings are in."""
         kind = f"{self.varied}-looks" if self.varied else "measured"
+        if not self.is_completed:
+            kind += "-not-completed"
         if not self.only:
             return f"{self.split}-{kind}"
         names = hashlib.sha256(" ".join(self.only).encode()).hexdigest()

@@ -49,8 +49,13 @@ def training_draw(rng: np.random.Generator) -> SceneDraw:
     return SceneDraw(views, exposure, realism, bool(rng.uniform() >= WITHOUT_BACKGROUND))
 
 
-def shaded(scene: SynbrdfScene, draw: SceneDraw, rng: np.random.Generator) -> Shading | None:
-    """The shading of a look at the scene; None where it shows too little of the surface."""
+def shaded(
+    scene: SynbrdfScene, draw: SceneDraw, rng: np.random.Generator, is_completed: bool = True
+) -> Shading | None:
+    """The shading of a look at the scene; None where it shows too little of the surface.
+
+    ``is_completed``: see :func:`~reflest_core.features.light.shading.shading`.
+    """
     scene = _exposed(scene, draw.exposure)
     if draw.realism is not None:
         scene = degrade(scene, draw.realism, rng)
@@ -61,7 +66,7 @@ def shaded(scene: SynbrdfScene, draw: SceneDraw, rng: np.random.Generator) -> Sh
     voxels = choose_voxels(surface, VOXELS)
     if len(voxels) < FEWEST_VOXELS:
         return None
-    return surface_shading(surface, voxels)
+    return surface_shading(surface, voxels, is_completed)
 
 
 def _exposed(scene: SynbrdfScene, factor: float) -> SynbrdfScene:

@@ -65,7 +65,7 @@ def _shade_shard(shard: Path, path: Path, plan: LookPlan) -> None:
                 continue
             ward = [*scene.truth.rho_d, scene.truth.rho_s, scene.truth.alpha]
             for draw, rng in plan.draws(scene.index):
-                look = shaded(scene, draw, rng)
+                look = shaded(scene, draw, rng, plan.is_completed)
                 if look is not None:
                     rows.append(as_row(look))
                     cards.append(LookCard(ward, draw.views, scene.index, scene.environment))

@@ -18,46 +18,12 @@ from reflest_core.training.light.light_course import LightCourse
 from reflest_core.training.light.light_data import LightData
 from reflest_core.training.light.likelihood import SQUARED_SHARE, likelihood_loss
 from reflest_core.training.light.shading_axes import AXES
-from reflest_core.training.light.shadings import Shadings
 from reflest_core.training.processes import Processes
 from reflest_core.training.recipe import RECIPES
 from reflest_core.training.run_folder import RunFolder
 from reflest_core.training.trainer import Trainer
 from test.core.surfaces import sphere_surface
-
-SLOTS, K, TRUE = 12, 8, 3
-
-
-def made_looks(count, seed):
-    """Looks that obey ``apparent = rho_d + rho_s lobe[TRUE]`` exactly, some voxels padded."""
-    rng = np.random.default_rng(seed)
-    ward = rng.uniform(0.05, 0.9, (count, 5)).astype(np.float32)
-    seen = rng.uniform(size=(count, VOXELS, SLOTS)) < 0.7
-    seen[:, 10:] &= (rng.uniform(size=(count, VOXELS - 10)) < 0.5)[..., None]
-    lobe = rng.gamma(1.0, 1.0, (count, VOXELS, SLOTS, K, 3))
-    apparent = ward[:, None, None, :3] + ward[:, None, None, 3:4] * lobe[:, :, :, TRUE]
-    normals = rng.normal(size=(count, VOXELS, 3))
-    share = rng.uniform(size=(count, VOXELS, SLOTS, K))
-    arrays = {
-        "is_seen": seen,
-        "apparent": apparent * seen[..., None],
-        "clipped": np.zeros((count, VOXELS, SLOTS, 3)),
-        "cosine": rng.uniform(0.3, 1.0, (count, VOXELS, SLOTS)) * seen,
-        "lobe": lobe * seen[..., None, None],
-        "lobe_seen": share, "lobe_clipped": 0.1 * share,
-        "normals": normals / np.linalg.norm(normals, axis=-1, keepdims=True),
-        "diffuse_light": rng.uniform(0.2, 0.6, (count, VOXELS, 3)),
-        "diffuse_seen": rng.uniform(size=(count, VOXELS)),
-        "diffuse_clipped": rng.uniform(0.0, 0.1, (count, VOXELS)),
-        "zones": rng.uniform(0.0, 1.0, (count, 8, 5)),
-    }  # fmt: skip
-    surface = sphere_surface(VOXELS, 30)
-    look = surface_shading(surface, np.arange(VOXELS))
-    for name in sorted(AXES.keys() - arrays.keys()):
-        arrays[name] = rng.normal(size=(count, *getattr(look, name).shape))
-    as_stored = {n: a if a.dtype == bool else a.astype(np.float16) for n, a in arrays.items()}
-    many = np.full(count, 100)
-    return Shadings(as_stored, ward, many, np.arange(count), np.full(count, "sky-0"))
+from test.core.training.light.looks import SLOTS, TRUE, K, made_looks
 
 
 def test_every_input_of_the_network_has_its_axes():
@@ -133,7 +99,7 @@ def test_a_killed_training_goes_on_to_the_same_weights(tmp_path):
 
 def test_it_learns_what_the_looks_tell(tmp_path):
     """From exact looks, the truth: far better than the mean after a few hundred minibatches."""
-    data = LightData(made_looks(200, 0), made_looks(50, 1))
+    data = LightData(made_looks(200, 0, noise=0.0), made_looks(50, 1, noise=0.0))
     small = {"minibatches": 150, "batch_size": 16, "voxels": 8, "warm_up": 10, "average": 0.9}
     recipe = dataclasses.replace(RECIPE, **small)
     path = trainer(tmp_path, data, recipe, every=150).run()
