@@ -282,18 +282,22 @@ def drop_views(
 
 @compiled
 def gather_observations(
+    start: int,
+    stop: int,
     rows: ObservationRows,
     chunks: ObservationChunks,
     selected: NDArray[np.int64],
     offsets: NDArray[np.int64],
-) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
-    """Copy the selected rows' observations into (O, 3) colours and (O,) view ids."""
-    colours = np.empty((offsets[-1], 3), np.uint8)
-    view_ids = np.empty(offsets[-1], np.uint16)
-    for n in range(len(selected)):
+    colours: NDArray[np.uint8],
+    view_ids: NDArray[np.uint16],
+) -> None:
+    """Copy the observations of the rows ``selected[start:stop]`` to their ``offsets``.
+
+    ``colours``: (O, 3). ``view_ids``: (O,).
+    """
+    for n in range(start, stop):
         row = selected[n]
         copy_observations(
             chunks, rows.first_chunks[row], int(rows.counts[row]),
             colours[offsets[n] :], view_ids[offsets[n] :],
         )  # fmt: skip
-    return colours, view_ids

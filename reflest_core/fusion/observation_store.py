@@ -94,7 +94,7 @@ class ObservationStore:
         return int(np.count_nonzero(self.rows.counts[: self.count]))
 
     def observations(
-        self, selected: NDArray[np.int64]
+        self, selected: NDArray[np.int64], threads: int = 1
     ) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
         """The observations of the rows ``selected``, one after another.
 
@@ -102,7 +102,13 @@ class ObservationStore:
         """
         offsets = np.zeros(len(selected) + 1, np.int64)
         np.cumsum(self.rows.counts[selected], out=offsets[1:], dtype=np.int64)
-        return observation_rows.gather_observations(self.rows, self.pool.chunks, selected, offsets)
+        colours = np.empty((offsets[-1], 3), np.uint8)
+        view_ids = np.empty(offsets[-1], np.uint16)
+        share_out(
+            threads, len(selected), LEAST_SHARE, observation_rows.gather_observations, self.rows,
+            self.pool.chunks, selected, offsets, colours, view_ids,
+        )  # fmt: skip
+        return colours, view_ids
 
     def find(self, keys: NDArray[np.int64], threads: int = 1) -> NDArray[np.int64]:
         """The row of each voxel key, -1 where it is not stored."""

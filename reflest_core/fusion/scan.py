@@ -174,7 +174,7 @@ class Scan:
 
     def snapshot(self) -> ObservedSurface:
         """A copy of what has been observed, of bounded size (``snapshot.MOST_VOXELS``)."""
-        surface = observed_surface(self.store, self.views)
+        surface = observed_surface(self.store, self.views, self.fusion.threads)
         return dataclasses.replace(surface, light=self.light.observed())
 
     def save(self, path: Path | str) -> None:

@@ -16,7 +16,9 @@ MOST_VOXELS = 10_000
 """A larger store is thinned, so that neither the copy nor an estimate from it costs more."""
 
 
-def observed_surface(store: ObservationStore, views: ViewTable) -> ObservedSurface:
+def observed_surface(
+    store: ObservationStore, views: ViewTable, threads: int = 1
+) -> ObservedSurface:
     """Copy :data:`MOST_VOXELS` voxels with observations at most; view indices are view ids.
 
     Where the camera's exposure changed, colours are those of the common one.
@@ -25,7 +27,7 @@ def observed_surface(store: ObservationStore, views: ViewTable) -> ObservedSurfa
     selected = thinned(rows.counts[: store.count], MOST_VOXELS)
     offsets = np.zeros(len(selected) + 1, np.int64)
     np.cumsum(rows.counts[selected], out=offsets[1:], dtype=np.int64)
-    colours, view_ids = store.observations(selected)
+    colours, view_ids = store.observations(selected, threads)
     gains = views.gains[: views.count]
     return ObservedSurface(
         positions=rows.positions[selected],

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 
 from reflest_core.fusion import observation_store, tsdf, visibility, work_sharing
+from reflest_core.fusion.observed_surface import SURFACE_ARRAYS
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.fusion.work_sharing import share_out
@@ -53,11 +54,13 @@ def test_a_failing_part_is_told():
 def test_a_scan_does_not_depend_on_the_number_of_threads(monkeypatch):
     for module in (tsdf, observation_store, visibility):
         monkeypatch.setattr(module, "LEAST_SHARE", 20)
-    states = []
+    states, snapshots = [], []
     for threads in (1, 2, 3):
         scan = Scan(FusionSettings(max_depth=1.0, threads=threads), RegionSettings())
         for frame in orbit_frames(8):
             scan.fuse(frame)
         states.append(state_of(scan))
-    for other in states[1:]:
-        assert_same_arrays(states[0], other)
+        snapshots.append({name: getattr(scan.snapshot(), name) for name in SURFACE_ARRAYS})
+    for others in (states, snapshots):
+        for other in others[1:]:
+            assert_same_arrays(others[0], other)
