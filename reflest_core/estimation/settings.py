@@ -42,7 +42,7 @@ class EstimationSettings:
         minimum=0.0, maximum=1.0,
     )  # fmt: skip
     low_light: float = parameter(
-        0.3,
+        0.15,
         "Below this share of the directions that light the surface, as the background showed them, "
         "lightnet's estimate is marked LOW_LIGHT.",
         minimum=0.0, maximum=1.0,
