@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from functools import cache
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -53,8 +54,7 @@ def _averaged(values: NDArray[np.float32], is_counted: NDArray[np.bool_]) -> NDA
         pair = halved(pair)
     total, weight = (_kernel() @ pair.reshape(-1, 2)).T
     mean = (total / np.maximum(weight, 1e-6)).reshape(FINE, FINE)
-    repeats = len(values) // FINE
-    return np.asarray(mean.repeat(repeats, axis=0).repeat(repeats, axis=1), np.float32)
+    return np.asarray(cv2.resize(mean, values.shape, interpolation=cv2.INTER_LINEAR), np.float32)
 
 
 @cache

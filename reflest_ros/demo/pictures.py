@@ -16,7 +16,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from reflest_core.brdf.srgb import encode
 from reflest_core.capture.open_capture import open_capture
+from reflest_core.environment.environment_map import environment_map
+from reflest_core.environment.picture import coverage_codes, tone_mapped
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
@@ -70,6 +73,7 @@ def _draw_all(bag: Path, folder: Path) -> None:
     for name, figure in {
         "view-preview": preview_picture(estimate),
         "view-voxels": voxel_picture(snapshot, estimate, settings),
+        "view-environment": environment_picture(snapshot),
         "view-markers": marker_picture(snapshot, estimate, poses, settings),
     }.items():
         figure.savefig(folder / f"{name}.png", facecolor=BACKGROUND)
@@ -102,6 +106,25 @@ def voxel_picture(
         )  # fmt: skip
         draw_cloud(axes, cloud, viewpoint, 1.5 * settings.fusion.voxel_size)
         figure.text((place + 0.5) / 3, 0.955, caption, color=FAINT, ha="center", va="center")
+    return figure
+
+
+def environment_picture(snapshot: KeyframeSnapshot) -> Figure:
+    """Of ``reflectance/environment``: preview, coverage and the radiance itself, as the camera."""
+    environment = environment_map(snapshot.surface)
+    panels = {
+        "preview: dim where it was not seen": tone_mapped(environment),
+        "coverage: black where it is completed": coverage_codes(environment),
+        "radiance, as .hdr and .exr hold it": encode(environment.radiance),
+    }
+    figure = Figure(figsize=(12, 2.4), dpi=DPI)
+    for place, (caption, picture) in enumerate(panels.items()):
+        axes = figure.add_axes((0.03 + place * 0.328, 0.12, 0.3, 0.76))
+        axes.imshow(picture, cmap="gray", extent=(0, 1, 0, 1), aspect="auto")
+        axes.set_xticks((0, 0.25, 0.5, 0.75, 1), ("-x", "+y", "+x", "-y", "-x"))
+        axes.set_yticks((0, 0.5, 1), ("-z", "", "+z"))
+        axes.tick_params(colors=FAINT)
+        axes.set_title(caption, color=FAINT, fontsize=10)
     return figure
 
 
