@@ -4,10 +4,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import ThreadpoolController
 
 from reflest_core.evaluation.contenders import EvaluationError
 
@@ -24,8 +28,15 @@ class ImageDistance:
     ssim: float
 
 
-def image_distance(reference: NDArray[np.float64], other: NDArray[np.float64]) -> ImageDistance:
-    """Of two sRGB pictures (H, W, 3) in [0, 1]."""
+@dataclass(frozen=True)
+class _Metrics:
+    flip: Callable[..., Any]
+    structural_similarity: Callable[..., Any]
+    libraries: ThreadpoolController
+
+
+@cache
+def _metrics() -> _Metrics:
     try:
         import flip_evaluator
         from skimage.metrics import structural_similarity
@@ -33,14 +44,22 @@ def image_distance(reference: NDArray[np.float64], other: NDArray[np.float64]) -
         raise EvaluationError(
             f"image metrics need {error.name}: pip install 'reflest-ros[training]'"
         ) from error
+    return _Metrics(flip_evaluator.evaluate, structural_similarity, ThreadpoolController())
+
+
+def image_distance(reference: NDArray[np.float64], other: NDArray[np.float64]) -> ImageDistance:
+    """Of two sRGB pictures (H, W, 3) in [0, 1]."""
+    metrics = _metrics()
     pair = np.asarray(reference, np.float32), np.asarray(other, np.float32)
-    _, flip, _ = flip_evaluator.evaluate(
-        *pair, "LDR", applyMagma=False, parameters={"ppd": PIXELS_PER_DEGREE}
-    )
+    # A thread for every core takes twenty times as long as one for so small a picture.
+    with metrics.libraries.limit(limits=1, user_api="openmp"):
+        _, flip, _ = metrics.flip(
+            *pair, "LDR", applyMagma=False, parameters={"ppd": PIXELS_PER_DEGREE}
+        )
     squared = float(np.mean((reference - other) ** 2))
     # Equal pictures have no finite PSNR; 8 bits could not tell more than this.
     psnr = -10 * np.log10(max(squared, (0.5 / 255) ** 2))
-    ssim = structural_similarity(
+    ssim = metrics.structural_similarity(
         *pair, channel_axis=2, data_range=1.0, gaussian_weights=True, use_sample_covariance=False
     )
     return ImageDistance(float(flip), float(psnr), float(ssim))
