@@ -150,7 +150,7 @@ def _deviation(x: torch.Tensor, weight: torch.Tensor, total: torch.Tensor) -> to
 
 
 def _log(ratio: torch.Tensor) -> torch.Tensor:
-    return torch.log(ratio + float(FLOOR))
+    return torch.log(ratio + FLOOR)
 
 
 def _two_layers(name: str) -> nn.Sequential:

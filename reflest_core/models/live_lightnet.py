@@ -19,9 +19,9 @@ from reflest_core.models.threads import one_blas_thread
 
 Array = NDArray[np.float32]
 
-FLOOR = np.float32(0.03)
+FLOOR = 0.03
 """Added before a logarithm: ratios below it say the same, dark."""
-FURTHEST = np.float32(4.0)
+FURTHEST = 4.0
 """Standard deviations from the mean at which a statistic is held."""
 
 

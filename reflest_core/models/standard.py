@@ -34,7 +34,7 @@ class Standard(nn.Module):
         if self.training:
             self._follow(values.detach().flatten(0, -2))
         scores = (values - self.mean) / torch.sqrt(self.variance + 1e-4)
-        return scores.clamp(-float(FURTHEST), float(FURTHEST))
+        return scores.clamp(-FURTHEST, FURTHEST)
 
     def _follow(self, values: torch.Tensor) -> None:
         share = max(MOMENTUM, 1.0 / (float(self.seen) + 1.0))

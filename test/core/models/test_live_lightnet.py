@@ -57,6 +57,15 @@ def test_it_is_pytorchs_with_any_padding(network, voxels):
         np.testing.assert_allclose(log_variances, expected[1][0].numpy(), atol=2e-5)
 
 
+def test_pytorch_can_compile_the_module(network):
+    module, _ = network
+    inputs = batched(look_at(7), 0)
+    torch.compiler.reset()
+    with torch.inference_mode():
+        means, _ = torch.compile(module, backend="eager", fullgraph=True)(**inputs)
+        torch.testing.assert_close(means, module(**inputs)[0])
+
+
 def test_colour_channels_are_alike(network):
     """Red light and red material swapped with blue swaps the estimate, and nothing else."""
     _, live = network
