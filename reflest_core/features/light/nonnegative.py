@@ -35,7 +35,8 @@ def nonnegative_minimum(
             step = value - x[i]
             if step != 0.0:
                 x[i] = value
-                slope += step * matrix[i]
+                for j in range(len(x)):
+                    slope[j] += step * matrix[i, j]
                 moved = max(moved, abs(step))
         if moved <= TOLERANCE * x.max():
             break
