@@ -7,6 +7,7 @@ from __future__ import annotations
 from concurrent.futures import as_completed
 from pathlib import Path
 
+import numpy as np
 from safetensors import safe_open
 from tqdm import tqdm
 
@@ -49,7 +50,8 @@ def make_shadings(data: Path, plan: LookPlan, out: Path, jobs: int) -> list[Path
         futures = [pool.submit(_shade_shard, shard, path, plan) for shard, path in missing]
         try:
             for future in as_completed(futures):
-                future.result()
+                if left_out := future.result():
+                    bar.write(f"{left_out} looks whose shading is not finite are left out")
                 bar.update()
         except BaseException:
             pool.shutdown(wait=True, cancel_futures=True)
@@ -57,8 +59,9 @@ def make_shadings(data: Path, plan: LookPlan, out: Path, jobs: int) -> list[Path
     return paths
 
 
-def _shade_shard(shard: Path, path: Path, plan: LookPlan) -> None:
-    rows, cards = [], []
+def _shade_shard(shard: Path, path: Path, plan: LookPlan) -> int:
+    """Write the looks at one shard's scenes; return how many are of no use."""
+    rows, cards, left_out = [], [], 0
     with one_blas_thread():
         for scene in load_shard(shard):
             if not plan.takes(scene.environment):
@@ -66,10 +69,16 @@ def _shade_shard(shard: Path, path: Path, plan: LookPlan) -> None:
             ward = [*scene.truth.rho_d, scene.truth.rho_s, scene.truth.alpha]
             for draw, rng in plan.draws(scene.index):
                 look = shaded(scene, draw, rng, plan.is_completed)
-                if look is not None:
-                    rows.append(as_row(look))
-                    cards.append(LookCard(ward, draw.views, scene.index, scene.environment))
+                if look is None:
+                    continue
+                row = as_row(look)
+                if not all(np.isfinite(array).all() for array in row.values()):
+                    left_out += 1
+                    continue
+                rows.append(row)
+                cards.append(LookCard(ward, draw.views, scene.index, scene.environment))
     save_looks(path, rows, cards, plan.fingerprint(_scenes(shard)))
+    return left_out
 
 
 def _scenes(shard: Path) -> str:

@@ -15,7 +15,7 @@ from reflest_core.models.weights import load_weights
 from reflest_core.training.augmentation import Augmentation
 from reflest_core.training.data import TrainingData
 from reflest_core.training.processes import Processes
-from reflest_core.training.recipe import PAPER_RECIPES
+from reflest_core.training.recipe import PAPER_RECIPES, WEIGHT_DECAY
 from reflest_core.training.run_folder import RunFolder
 from reflest_core.training.sample import TrainingError
 from reflest_core.training.surface_course import SurfaceCourse
@@ -163,6 +163,16 @@ def test_the_learning_rate_rises_holds_and_falls_to_nothing():
     assert schedule.learning_rate_at(50) == pytest.approx(1e-3)
     assert schedule.learning_rate_at(75) == pytest.approx(5e-4)
     assert schedule.learning_rate_at(100) == pytest.approx(0, abs=1e-9)
+
+
+def test_adamw_draws_weights_to_zero_where_nothing_else_moves_them():
+    module = torch.nn.Linear(3, 2)
+    before = module.weight.detach().clone()
+    optimiser = recipe(optimiser="adamw", learning_rate=0.5).make_optimiser(module)
+    for weight in module.parameters():
+        weight.grad = torch.zeros_like(weight)
+    optimiser.step()
+    torch.testing.assert_close(module.weight.detach(), before * (1 - 0.5 * WEIGHT_DECAY))
 
 
 def test_the_papers_rate_never_changes():
