@@ -96,7 +96,9 @@ class RadianceTracer:
         ray = mi.RayDifferential3f(
             _gather(origins[rows], ray_index), _gather(directions[rows], ray_index)
         )
-        radiance, _, _ = self.integrator.sample(scene, sampler, ray, None, ray_index < count)
+        # A number known to the compiler would make another kernel of each count of rays.
+        is_ray = ray_index < dr.opaque(mi.UInt32, count)
+        radiance, _, _ = self.integrator.sample(scene, sampler, ray, None, is_ray)
         channels = [channel / self.samples for channel in radiance]
         # Unless evaluated here, the sum would be fused into each path-tracing kernel anew.
         dr.eval(channels)
@@ -129,10 +131,13 @@ def first_shapes(
         mi.Point3f(np.ascontiguousarray(origins.T)), mi.Vector3f(np.ascontiguousarray(directions.T))
     )
     hit = scene.ray_intersect_preliminary(ray)
-    names = np.full(len(origins), "", dtype="U16")
-    for shape in scene.shapes():
-        names[np.array(hit.shape == mi.ShapePtr(shape)) & np.array(hit.is_valid())] = shape.id()
-    return names
+    numbers = np.array(dr.reinterpret_array(mi.UInt32, hit.shape))
+    numbers[~np.array(hit.is_valid())] = 0
+    shapes = scene.shapes()
+    own = np.array([np.array(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(s)))[0] for s in shapes])
+    names: NDArray[np.str_] = np.full(own.max() + 1, "", dtype="U16")
+    names[own] = [shape.id() for shape in shapes]
+    return np.asarray(names[numbers])
 
 
 def first_normals(

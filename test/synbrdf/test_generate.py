@@ -104,6 +104,40 @@ def test_scenes_come_back_whole(generated):
     assert unseen.environment not in {e for s in scenes for e in s.environment.split("+")}
 
 
+def test_far_light_is_rendered_as_before_there_were_rooms(generated):
+    """Figures of the older code; paths of light differ in the last digits between processors."""
+    before = {
+        "train": (0.238581, 59, 0.658670, 98),
+        "validation": (0.622640, 59, 0.322010, 2783),
+        "unseen": (0.289354, 59, 0.485373, 472),
+    }
+    for split, (exposure, observations, radiance, pixels) in before.items():
+        scene = next(load_scenes(generated, split))
+        assert scene.exposure == pytest.approx(exposure, rel=1e-3)
+        assert len(scene.radiance) == pytest.approx(observations, abs=1)
+        assert scene.radiance.mean(dtype=float) == pytest.approx(radiance, rel=5e-3)
+        assert scene.thumbnails.is_object.sum() == pytest.approx(pixels, abs=2)
+        assert scene.thumbnails.depth is None
+
+
+def test_scenes_in_rooms_are_generated_alike_again(tmp_path):
+    """With ``--lighting near`` for all splits, by two processes as by one."""
+    arguments = ["--seed", "5", "--train", "1", "--validation", "1", "--unseen", "1"]
+    arguments += ["--points", "30", "--views", "6", "--samples", "4", "--lighting", "near"]
+    for jobs in ("1", "2"):
+        out = ["--out", str(tmp_path / jobs), "--jobs", jobs]
+        assert main(["synbrdf", "generate", *out, *arguments]) == 0
+    assert hashes(tmp_path / "1") == hashes(tmp_path / "2")
+    for split in ("train", "validation", "unseen"):
+        scene = next(load_scenes(tmp_path / "1", split))
+        assert scene.environment.startswith("room")
+        assert scene.thumbnails.depth.shape == (6, 36, 48)
+        assert (scene.thumbnails.depth > 0).mean() > 0.3
+        assert scene.radiance.max() > 0
+        degraded = degrade(scene, Realism(), np.random.default_rng(1))
+        np.testing.assert_array_equal(degraded.thumbnails.depth, scene.thumbnails.depth)
+
+
 def test_thumbnails_show_the_light_behind_the_object(generated):
     """Where F and B come from: the same pixels, exposed, average to the view's B."""
     scene = next(load_scenes(generated, "validation"))

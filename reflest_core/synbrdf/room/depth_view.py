@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from reflest_core.synbrdf.mitsuba_scene import OBJECT, first_hits, first_shapes
 from reflest_core.synbrdf.room.geometry import Room
-from reflest_core.synbrdf.room.room_scene import WINDOW
+from reflest_core.synbrdf.room.light_shapes import WINDOW
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 ATLAS_TILES = 64
 """Most painted panels of a room."""
+MOST_LAMPS, MOST_GLOBES, MOST_WINDOWS = 5, 2, 3
+LIGHT_TEXELS = 24
+"""Along each edge of a panel that shines."""
 
 
 @dataclass(frozen=True)
@@ -65,9 +68,9 @@ class Surface:
 
 @dataclass(frozen=True)
 class PanelLight:
-    """A panel that shines evenly to all sides of its front.
+    """A panel that shines, each point of it alike to all sides of its front.
 
-    ``radiance``: (N, N, 3) float32, row 0 along ``across``; (1, 1, 3) where it is even.
+    ``radiance``: (LIGHT_TEXELS, LIGHT_TEXELS, 3) float32, row 0 along ``across``.
     """
 
     panel: Panel
@@ -96,6 +99,11 @@ class Room:
     globes: list[Globe]
     windows: list[PanelLight]
     depth_reach: float
+
+
+def even(radiance: FloatArray) -> NDArray[np.float32]:
+    """The same radiance (3,) on all of a panel."""
+    return np.tile(radiance.astype(np.float32), (LIGHT_TEXELS, LIGHT_TEXELS, 1))
 
 
 @dataclass(frozen=True)

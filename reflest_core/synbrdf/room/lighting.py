@@ -9,12 +9,21 @@ from numpy.typing import NDArray
 
 from reflest_core.synbrdf.environment_lookup import radiance_from
 from reflest_core.synbrdf.room.furnishing import Stage
-from reflest_core.synbrdf.room.geometry import Box, FloatArray, Globe, Panel, PanelLight
+from reflest_core.synbrdf.room.geometry import (
+    LIGHT_TEXELS,
+    MOST_GLOBES,
+    MOST_LAMPS,
+    MOST_WINDOWS,
+    Box,
+    FloatArray,
+    Globe,
+    Panel,
+    PanelLight,
+    even,
+)
 
-WINDOW_TEXELS = 24
 OFF_WALL = 0.01
 """Metres by which windows and ceiling lamps stand off what they are fixed to."""
-MOST_CEILING_LAMPS = 4
 
 
 def draw_ceiling_lamps(rng: np.random.Generator, room: Box) -> list[PanelLight]:
@@ -24,18 +33,18 @@ def draw_ceiling_lamps(rng: np.random.Generator, room: Box) -> list[PanelLight]:
     edges = edges if rng.uniform() < 0.5 else np.minimum(edges[::-1], 0.5 * span[:2])
     radiance = _white(rng) * np.exp(rng.uniform(np.log(20.0), np.log(250.0)))
     lamps = []
-    for _ in range(int(rng.integers(1, MOST_CEILING_LAMPS + 1))):
+    for _ in range(int(rng.integers(1, MOST_LAMPS))):
         near = room.low[:2] + rng.uniform(0.05, 0.95, 2) * (span[:2] - edges)
         corner = np.array([*near, room.high[2] - OFF_WALL])
         across, up = np.array([0.0, edges[1], 0.0]), np.array([edges[0], 0.0, 0.0])
-        lamps.append(PanelLight(Panel(corner, across, up), _even(radiance)))
+        lamps.append(PanelLight(Panel(corner, across, up), even(radiance)))
     return lamps
 
 
 def draw_globes(rng: np.random.Generator, room: Box, stage: Stage) -> list[Globe]:
     """Up to two balls of light, where they hide nothing."""
     globes = []
-    for _ in range(int(rng.integers(1, 3))):
+    for _ in range(int(rng.integers(1, MOST_GLOBES + 1))):
         radius = rng.uniform(0.04, 0.2)
         centre = room.low + radius + rng.uniform(size=3) * (room.high - room.low - 2.0 * radius)
         radiance = _white(rng) * np.exp(rng.uniform(np.log(20.0), np.log(400.0)))
@@ -63,13 +72,13 @@ def draw_softbox(rng: np.random.Generator, room: Box, stage: Stage) -> list[Pane
     if not is_within or not stage.is_clear(box):
         return []
     radiance = _white(rng) * np.exp(rng.uniform(np.log(5.0), np.log(60.0)))
-    return [PanelLight(panel, _even(radiance))]
+    return [PanelLight(panel, even(radiance))]
 
 
 def draw_window_panels(rng: np.random.Generator, room: Box) -> list[Panel]:
     """One to three panes in the walls."""
     panels = []
-    for side in rng.permutation(4)[: int(rng.integers(1, 4))]:
+    for side in rng.permutation(4)[: int(rng.integers(1, MOST_WINDOWS + 1))]:
         wall = room.inside[int(side)]
         width, height = np.linalg.norm(wall.across), np.linalg.norm(wall.up)
         share = np.minimum(rng.uniform([0.5, 0.5], [2.0, 1.8]) / [width, height], 0.8)
@@ -81,11 +90,11 @@ def draw_window_panels(rng: np.random.Generator, room: Box) -> list[Panel]:
 
 def window(rng: np.random.Generator, panel: Panel, outside: NDArray[np.float32]) -> PanelLight:
     """A pane that shows ``outside``, a lat-long map, as the origin sees it. World frame."""
-    towards = panel.grid(WINDOW_TEXELS, WINDOW_TEXELS).reshape(-1, 3)
+    towards = panel.grid(LIGHT_TEXELS, LIGHT_TEXELS).reshape(-1, 3)
     towards = towards / np.linalg.norm(towards, axis=1, keepdims=True)
     seen = radiance_from(outside, towards.astype(np.float32)) / np.float32(outside.mean())
     brightness = np.exp(rng.uniform(np.log(3.0), np.log(60.0)))
-    shape = (WINDOW_TEXELS, WINDOW_TEXELS, 3)
+    shape = (LIGHT_TEXELS, LIGHT_TEXELS, 3)
     return PanelLight(panel, np.asarray(seen * brightness + 1e-3, np.float32).reshape(shape))
 
 
@@ -93,7 +102,3 @@ def _white(rng: np.random.Generator) -> FloatArray:
     """From a warm bulb to a cold tube, of mean about 1."""
     warmth = rng.uniform(-0.25, 0.6)
     return np.exp(np.array([0.5, 0.0, -0.9]) * warmth + rng.normal(0.0, 0.04, 3))
-
-
-def _even(radiance: FloatArray) -> NDArray[np.float32]:
-    return radiance.astype(np.float32).reshape(1, 1, 3)

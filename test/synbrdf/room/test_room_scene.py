@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from reflest_core.brdf.parameters import WardParameters
-from reflest_core.synbrdf.room.geometry import Box, Globe, Panel, PanelLight, Room, Surface
+from reflest_core.synbrdf.room.geometry import Box, Globe, Panel, PanelLight, Room, Surface, even
 from reflest_core.synbrdf.room.paint import TEXELS
 from test.synbrdf.spheres import icosphere
 
@@ -28,7 +28,7 @@ BALL = icosphere(5, RADIUS)
 
 def room(albedos, **changes):
     surfaces = [Surface(p, a, 0.16) for p, a in zip(BOX.inside, albedos, strict=True)]
-    lamps = [PanelLight(LAMP, RADIANCE.astype(np.float32).reshape(1, 1, 3))]
+    lamps = [PanelLight(LAMP, even(RADIANCE))]
     return dataclasses.replace(Room(surfaces, lamps, [], [], 8.0), **changes)
 
 
@@ -73,7 +73,7 @@ def test_a_globe_sends_what_a_sphere_sends():
     globe = Globe(np.array([0.3, 0.2, 0.8]), 0.1, RADIANCE)
     normals = upper_points(20, 2.0)
     points = RADIUS * normals
-    tracer = mitsuba_scene.RadianceTracer(256, lanes=1 << 13)
+    tracer = mitsuba_scene.RadianceTracer(1024, lanes=1 << 15)
     traced = tracer.trace(
         scene_of(room([BLACK] * 6, lamps=[], globes=[globe])),
         (points + 0.4 * normals).astype(np.float32), -normals.astype(np.float32), 3,
@@ -130,7 +130,7 @@ def test_walls_send_the_light_of_a_radiosity_solution():
 def test_depth_cameras_see_walls_but_neither_windows_nor_what_is_far():
     pane = Panel(np.array([1.49, -0.3, 0.2]), np.array([0.0, 0.6, 0.0]), np.array([0.0, 0.0, 0.5]))
     pane = Panel(pane.corner + pane.across, -pane.across, pane.up)
-    window = PanelLight(pane, np.ones((4, 4, 3), np.float32))
+    window = PanelLight(pane, even(np.ones(3)))
     a_room = room([BLACK] * 6, windows=[window], depth_reach=1.05)
     scene = scene_of(a_room)
     origins = np.tile(np.array([0.6, 0.0, 0.0], np.float32), (4, 1))
