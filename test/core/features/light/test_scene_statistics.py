@@ -1,0 +1,87 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""What the network is told of a scene: the right things, whichever way it is turned or coloured."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from reflest_core.features.light.explained_light import explain
+from reflest_core.features.light.scene_statistics import (
+    CHANNEL_STATISTICS,
+    STATISTICS,
+    scene_statistics,
+)
+from reflest_core.fusion.light_map import SIZE, ObservedLight
+from reflest_core.fusion.octahedral import octahedral_directions
+from test.core.surfaces import sphere_surface
+
+
+def lit_room(colour=(0.5, 0.4, 0.3)):
+    """Brighter towards +x; all of it seen, none clipped."""
+    strength = 0.4 + 0.3 * octahedral_directions(SIZE)[..., :1]
+    ones = np.ones((SIZE, SIZE), np.float32)
+    return ObservedLight((strength * colour).astype(np.float32), ones, 0.0 * ones)
+
+
+def statistics(surface, light):
+    return scene_statistics(surface, explain(surface, light))
+
+
+@pytest.fixture(scope="module")
+def surface():
+    return sphere_surface(voxels=300, views=40)
+
+
+def test_sizes_are_as_stated(surface):
+    found = statistics(surface, lit_room())
+    assert found.of_channels.shape == (3, CHANNEL_STATISTICS)
+    assert found.of_all.shape == (STATISTICS,)
+
+
+def test_swapped_colours_swap_the_numbers(surface):
+    """To what it matters that the three are summed in another order, in the fit of the gloss."""
+    swapped = dataclasses.replace(
+        surface,
+        colours=np.ascontiguousarray(surface.colours[:, ::-1]),
+        view_foreground=surface.view_foreground[:, ::-1],
+        view_background=surface.view_background[:, ::-1],
+    )
+    before = statistics(surface, lit_room())
+    after = statistics(swapped, lit_room((0.3, 0.4, 0.5)))
+    np.testing.assert_allclose(after.of_channels, before.of_channels[::-1], atol=2e-3)
+    np.testing.assert_allclose(after.of_all, before.of_all, atol=2e-3)
+
+
+def test_a_turned_world_gives_the_same_numbers(surface):
+    """By 90 degrees about the vertical, under which the map of directions falls on itself."""
+    turned = {
+        name: np.stack([-getattr(surface, name)[:, 1], getattr(surface, name)[:, 0],
+                        getattr(surface, name)[:, 2]], axis=1)
+        for name in ("positions", "normals", "view_centres")
+    }  # fmt: skip
+    light = lit_room()
+    turned_light = ObservedLight(
+        *(np.ascontiguousarray(np.rot90(array, k=-1)) for array in vars(light).values())
+    )
+    towards = octahedral_directions(SIZE)
+    brightest = np.unravel_index(turned_light.radiance[..., 0].argmax(), (SIZE, SIZE))
+    assert towards[brightest][1] > 0.9
+    before = statistics(surface, light)
+    after = statistics(dataclasses.replace(surface, **turned), turned_light)
+    np.testing.assert_allclose(after.of_channels, before.of_channels, atol=0.05)
+    np.testing.assert_allclose(after.of_all, before.of_all, atol=0.05)
+
+
+def without_light(light):
+    return ObservedLight(0 * light.radiance, 0 * light.coverage, 0 * light.clipped)
+
+
+@pytest.mark.parametrize("level", [0, 255])
+def test_extremes_give_finite_numbers(surface, level):
+    flat = dataclasses.replace(surface, colours=np.full_like(surface.colours, level))
+    for light in (lit_room(), without_light(lit_room())):
+        found = statistics(flat, light)
+        assert np.isfinite(found.of_channels).all()
+        assert np.isfinite(found.of_all).all()
