@@ -85,3 +85,17 @@ def test_extremes_give_finite_numbers(surface, level):
         found = statistics(flat, light)
         assert np.isfinite(found.of_channels).all()
         assert np.isfinite(found.of_all).all()
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_one_voxel_is_enough_for_finite_numbers(surface, count):
+    last = int(surface.offsets[count])
+    few = dataclasses.replace(
+        surface, positions=surface.positions[:count], normals=surface.normals[:count],
+        offsets=surface.offsets[: count + 1], colours=surface.colours[:last],
+        view_indices=surface.view_indices[:last],
+    )  # fmt: skip
+    for light in (lit_room(), without_light(lit_room())):
+        found = statistics(few, light)
+        assert np.isfinite(found.of_channels).all()
+        assert np.isfinite(found.of_all).all()
