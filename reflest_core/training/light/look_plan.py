@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reflest_core.models.lightnet import VOXELS
+from reflest_core.models.model_choice import MODELS
 from reflest_core.synbrdf.source_fingerprint import source_fingerprint
 from reflest_core.training.light.shaded_scene import SceneDraw, training_draw
 from reflest_core.training.light.shading_axes import AXES
@@ -65,5 +65,6 @@ class LookPlan:
 
     def fingerprint(self, scenes: str) -> str:
         """Hash (hex) of this plan, of the code that follows it and of the ``scenes``' cards."""
-        decided = f"{self} {VOXELS} {sorted(AXES)} {source_fingerprint(SOURCES)} {scenes}"
+        voxels, code = MODELS["lightnet"].voxels, source_fingerprint(SOURCES)
+        decided = f"{self} {voxels} {sorted(AXES)} {code} {scenes}"
         return hashlib.sha256(decided.encode()).hexdigest()

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from reflest_core.features.light.shading import Shading
 from reflest_core.features.light.surface_shading import surface_shading
 from reflest_core.features.voxel_choice import choose_voxels
-from reflest_core.models.lightnet import VOXELS
+from reflest_core.models.model_choice import MODELS
 from reflest_core.synbrdf.exposure import expose
 from reflest_core.synbrdf.realism.degrade import degrade
 from reflest_core.synbrdf.realism.settings import Realism
@@ -63,7 +63,7 @@ def shaded(
     views = np.sort(rng.permutation(count)[: min(draw.views, count)])
     light = scene_light(scene, views) if draw.sees_light else None
     surface = dataclasses.replace(keep_views(scene.surface, views), light=light)
-    voxels = choose_voxels(surface, VOXELS)
+    voxels = choose_voxels(surface, MODELS["lightnet"].voxels)
     if len(voxels) < FEWEST_VOXELS:
         return None
     return surface_shading(surface, voxels, is_completed)

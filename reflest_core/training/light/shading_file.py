@@ -16,7 +16,7 @@ from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save_file
 
 from reflest_core.features.light.shading import Shading
-from reflest_core.models.lightnet import VOXELS
+from reflest_core.models.model_choice import MODELS
 from reflest_core.training.light.shading_axes import AXES
 from reflest_core.training.sample import TrainingError
 
@@ -36,12 +36,13 @@ class LookCard:
 
 
 def as_row(look: Shading) -> dict[str, NDArray[Any]]:
-    """The arrays of a look as stored: padded to :data:`VOXELS` voxels, float16."""
+    """The arrays of a look as stored: padded to as many voxels as an estimate takes, float16."""
+    voxels = MODELS["lightnet"].voxels
     row = {}
     for name, axes in AXES.items():
         array = getattr(look, name)
         if axes[0] == "V":
-            padding = [(0, VOXELS - len(array))] + [(0, 0)] * (array.ndim - 1)
+            padding = [(0, voxels - len(array))] + [(0, 0)] * (array.ndim - 1)
             array = np.pad(array, padding)
         is_flag = array.dtype == np.bool_
         row[name] = array if is_flag else np.clip(array, -LARGEST, LARGEST).astype(np.float16)
