@@ -6,13 +6,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from reflest_core.environment.environment_map import EnvironmentMap, environment_map
 from reflest_core.export.errors import ExportError, check_suffix
 from reflest_core.export.openexr import openexr
 from reflest_core.export.radiance_hdr import radiance_hdr
-from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.whole_file import write_whole
+
+if TYPE_CHECKING:
+    from reflest_core.environment.environment_map import EnvironmentMap
+    from reflest_core.fusion.observed_surface import ObservedSurface
 
 LIGHT_FORMATS: dict[str, tuple[str, Callable[[EnvironmentMap, str], bytes]]] = {
     "hdr": (".hdr", radiance_hdr),
@@ -30,6 +33,9 @@ def export_environment(surface: ObservedSurface, format_name: str, path: Path) -
         ExportError: a wrong suffix, or none of the light was seen.
         OutputError: the file cannot be written.
     """
+    # The command line names the formats without waiting for compiled kernels.
+    from reflest_core.environment.environment_map import environment_map
+
     suffix, content = LIGHT_FORMATS[format_name]
     check_suffix(path, suffix, format_name)
     light = surface.light

@@ -8,10 +8,12 @@ Written by the file layout of OpenEXR's documentation: single part, scan lines, 
 from __future__ import annotations
 
 import struct
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reflest_core.environment.environment_map import EnvironmentMap
+if TYPE_CHECKING:
+    from reflest_core.environment.environment_map import EnvironmentMap
 
 MAGIC, VERSION = 20000630, 2
 FLOAT = 2

@@ -4,8 +4,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from reflest_core.brdf import rgbe
-from reflest_core.environment.environment_map import EnvironmentMap
+
+if TYPE_CHECKING:
+    from reflest_core.environment.environment_map import EnvironmentMap
 
 
 def radiance_hdr(environment: EnvironmentMap, note: str) -> bytes:
