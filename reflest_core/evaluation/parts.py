@@ -35,6 +35,7 @@ from reflest_core.evaluation.time_accuracy import measure_time_accuracy
 from reflest_core.evaluation.view_study import measure_views
 from reflest_core.models.normalisation import ParameterStatistics
 from reflest_core.synbrdf.scene_file import SynbrdfScene
+from reflest_core.training.sample import Sample
 
 Figures = dict[str, Any]
 
@@ -132,8 +133,11 @@ def _realism(study: Study) -> Figures:
 
 
 def _time_accuracy(study: Study) -> Figures:
-    samples = random_subset(study.splits["validation"], FEW_SCENES, SUBSET_SEED)
-    return measure_time_accuracy(known_light(study.contenders), samples)
+    return measure_time_accuracy(known_light(study.contenders), _few_samples(study))
+
+
+def _few_samples(study: Study) -> list[Sample]:
+    return random_subset(study.splits["validation"], FEW_SCENES, SUBSET_SEED)
 
 
 PARTS: dict[str, Callable[[Study], Figures]] = {
@@ -145,7 +149,7 @@ PARTS: dict[str, Callable[[Study], Figures]] = {
     "realism": _realism,
     "latency": lambda study: measure_latency(study.contenders, study.splits["validation"]),
     "time-accuracy": _time_accuracy,
-    "eight-bit": lambda study: measure_eight_bit(study.contenders, study.splits["validation"]),
+    "eight-bit": lambda study: measure_eight_bit(study.contenders, _few_samples(study)),
     "baselines": lambda study: measure_baselines(
         study.contenders, study.splits, study.settings.optimised
     ),

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
+from reflest_core.cli import evaluate
 from reflest_core.cli.main import main
 from reflest_core.evaluation import (
     parts,
@@ -47,6 +48,10 @@ def out(data, runs, tmp_path_factory):
 
 def read(out, name):
     return json.loads((out / f"{name}.json").read_text())
+
+
+def test_the_command_knows_every_part():
+    assert tuple(parts.PARTS) == evaluate.ALL_PARTS
 
 
 def test_table_2_holds_what_the_network_reaches(out, runs, data):
