@@ -76,6 +76,14 @@ def blurred(radiance):
     return cv2.blur(radiance, (5, 5))
 
 
+def test_a_room_is_refused_in_one_sentence(tmp_path, capsys):
+    out = ["--out", str(tmp_path / "xml"), "--scenes", "0", "--frames", "0", "--lighting", "near"]
+    assert main(["synbrdf", "xml", *out, *OPTIONS]) == 2
+    printed = capsys.readouterr().err.strip()
+    assert printed.startswith("reflest: error: train-00000 stands in a room")
+    assert len(printed.splitlines()) == 1
+
+
 def test_a_file_that_cannot_be_rendered_is_one_sentence(folder, tmp_path, capsys):
     broken = tmp_path / "scene.xml"
     broken.write_text("<scene version='3.0.0'><bsdf type='nonesuch'/></scene>")

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import Any
 
@@ -68,11 +69,16 @@ def _write_figures(data: Path, out: Path) -> None:
 def _write_contact_sheet(arguments: argparse.Namespace) -> None:
     from reflest_core.synbrdf.card.contact_sheet import contact_sheet
     from reflest_core.synbrdf.image_files import write_rgb
+    from reflest_core.synbrdf.scene import Lighting
     from reflest_core.synbrdf.splits import Split
 
     split = Split(arguments.contact_sheet)
-    sheet = contact_sheet(generation_of(arguments), split, ROWS, COLUMNS)
-    write_rgb(arguments.out / f"contact-sheet-{split.value}.jpg", sheet, QUALITY)
+    generation = generation_of(arguments)
+    rows = min(ROWS, math.ceil(generation.scenes[split.value] / COLUMNS))
+    sheet = contact_sheet(generation, split, rows, COLUMNS)
+    is_natural = generation.lighting is Lighting.NATURAL
+    kind = split.value if is_natural else f"{generation.lighting.value}-{split.value}"
+    write_rgb(arguments.out / f"contact-sheet-{kind}.jpg", sheet, QUALITY)
 
 
 def _write_image_strip(arguments: argparse.Namespace) -> None:
