@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +26,23 @@ CLEAR_SHIFT = 0.5
 """Of the texels' median absolute deviation: what shifts less may be parallax or motion."""
 CLEAR_SHIFT_OF_ONE = 6.0
 """The same over the square root of how many they are: three standard errors of their median."""
+PARALLAX = 0.12
+"""Stops: texels whose deviation is larger show a room that is too near for directions alone."""
+DISAGREEMENT = 0.5
+"""Stops: what deviates more says nothing of exposure."""
+LARGEST_STEP = 1.5
+"""Stops: a larger change from the frame before is not believed of voxels alone."""
 MOST_STOPS = 6.0
 """A gain lies within so many stops of 1."""
+
+
+Witness = Callable[[], NDArray[np.float64]]
+"""Stops from a frame to the common exposure, one for each thing compared."""
+
+
+def no_witness() -> NDArray[np.float64]:
+    """Nothing was compared."""
+    return np.empty(0)
 
 
 def exposure_gain(
@@ -34,6 +50,7 @@ def exposure_gain(
     directions: NDArray[np.float32],
     colours: NDArray[np.uint8],
     last: float,
+    surface_shifts: Witness = no_witness,
 ) -> float:
     """By what a frame's linear colours are multiplied to be in the units of the light map.
 
@@ -41,7 +58,9 @@ def exposure_gain(
     ``directions`` (P, 3), ``colours`` (P, 3): the frame's background, see :meth:`LightMap.add`.
     ``last``: the gain of the frame before, which stays where the two show too little in common or
     do not clearly differ. Texels in which anything is clipped are left out; the rest vote by their
-    median. Light that changes as a whole cannot be told from exposure.
+    median. Where parallax makes them disagree, the object's voxels, ``surface_shifts``, are asked
+    in their place, if they agree better. Light that changes as a whole cannot be told from
+    exposure.
     """
     shifts = _shifts(
         *known, *_texels_of(
@@ -51,12 +70,26 @@ def exposure_gain(
     )  # fmt: skip
     if len(shifts) < LEAST_TEXELS:
         return last
-    stops = float(np.median(shifts))
-    spread = float(np.median(np.abs(shifts - stops)))
+    stops, spread = _middle(shifts)
+    if spread > PARALLAX:
+        of_surface = surface_shifts()
+        if len(of_surface) >= LEAST_TEXELS:
+            its_stops, its_spread = _middle(of_surface)
+            is_near = abs(its_stops - math.log2(last)) < LARGEST_STEP
+            if is_near and its_spread < spread:
+                shifts, stops, spread = of_surface, its_stops, its_spread
+    if spread > DISAGREEMENT:
+        return last
     clear = spread * max(CLEAR_SHIFT, CLEAR_SHIFT_OF_ONE / math.sqrt(len(shifts)))
     if abs(stops - math.log2(last)) < max(SAME_EXPOSURE, clear):
         return last
     return float(2.0 ** min(max(stops, -MOST_STOPS), MOST_STOPS))
+
+
+def _middle(shifts: NDArray[np.float64]) -> tuple[float, float]:
+    """Median and median absolute deviation."""
+    stops = float(np.median(shifts))
+    return stops, float(np.median(np.abs(shifts - stops)))
 
 
 def is_same_exposure(gain: float, other: float) -> bool:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.exposure_gain import LINEAR, exposure_gain
+from reflest_core.fusion.exposure_gain import LINEAR, Witness, exposure_gain, no_witness
 from reflest_core.fusion.octahedral import octahedral_solid_angles, octahedral_texel
 from reflest_core.jit import compiled, kernel_array
 
@@ -62,13 +62,20 @@ class LightMap:
     white: NDArray[np.float32] = field(default_factory=lambda: np.zeros((SIZE, SIZE), np.float32))
     gain: float = 1.0
 
-    def add_frame(self, directions: NDArray[np.float32], colours: NDArray[np.uint8]) -> float:
+    def add_frame(
+        self,
+        directions: NDArray[np.float32],
+        colours: NDArray[np.uint8],
+        surface_shifts: Witness = no_witness,
+    ) -> float:
         """Add the pixels of one frame, as :meth:`add` does, at the exposure that it seems to have.
 
-        Returns its gain: what its linear colours are multiplied by to be in the map's units.
+        ``surface_shifts``: asked where parallax makes the background doubtful, see
+        :func:`.exposure_gain`. Returns the frame's gain: what its linear colours are multiplied by
+        to be in the map's units.
         """
         known = (self.radiance_sum, self.count, self.clipped_count)
-        self.gain = exposure_gain(known, directions, colours, self.gain)
+        self.gain = exposure_gain(known, directions, colours, self.gain, surface_shifts)
         self.add(directions, colours, self.gain)
         return self.gain
 

@@ -28,6 +28,7 @@ from reflest_core.fusion.region import Region
 from reflest_core.fusion.scan_file import ScanFileError, read_scan, restore_rows, write_scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.fusion.snapshot import observed_surface
+from reflest_core.fusion.surface_exposure import surface_shifts
 from reflest_core.fusion.tsdf import TsdfVolume
 from reflest_core.fusion.views import ViewTable
 from reflest_core.fusion.visibility import visible_voxels
@@ -134,14 +135,6 @@ class Scan:
         stored = self.store.find(surface.keys, threads)
         self.store.refresh(stored, surface.positions, surface.normals, threads)
 
-        # The light: the background's colours, in the directions in which the object sees them.
-        if len(surface.positions):
-            centre = surface.positions.mean(axis=0, dtype=np.float64)
-            radius = float(np.sqrt(surface.positions.var(axis=0, dtype=np.float64).sum()))
-            self.light.add_frame(
-                *background_pixels(whole, is_foreground, whole.depth, centre, radius)
-            )
-
         # The observations: a row for each voxel that this view truly sees, then its colour.
         seen, colours = visible_voxels(
             surface.positions, surface.normals, frame, pixels, self.fusion, threads
@@ -152,6 +145,15 @@ class Scan:
         )
         has_row = rows >= 0
         rows, colours, positions = rows[has_row], colours[has_row], positions[has_row]
+
+        # The light: the background's colours, in the directions in which the object sees them.
+        if len(surface.positions):
+            centre = surface.positions.mean(axis=0, dtype=np.float64)
+            radius = float(np.sqrt(surface.positions.var(axis=0, dtype=np.float64).sum()))
+            self.light.add_frame(
+                *background_pixels(whole, is_foreground, whole.depth, centre, radius),
+                lambda: surface_shifts(self.store, self.views, rows, colours, frame.camera_centre),
+            )
         view, is_new_view, kept = None, False, 0
         if len(rows):
             near = self.views.near(

@@ -11,6 +11,7 @@ from reflest_core.brdf import srgb
 from reflest_core.fusion.exposure_correction import at_one_exposure, means_at_one_exposure
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.fusion.surface_exposure import MOST_VOXELS, surface_shifts
 from test.core.fusion.analytic_scene import OBJECT, look_at, orbit, render
 
 VIEWS = 24
@@ -111,3 +112,18 @@ def test_another_exposure_from_the_same_place_is_another_view():
         scan.fuse(dataclasses.replace(whole, stamp_ns=second.stamp_ns))
         assert scan.views.count == views
         np.testing.assert_allclose(scan.views.gains[views - 1], 1.0 / exposure, rtol=0.05)
+
+
+def test_voxels_tell_the_stops_between_a_frame_and_what_was_known_of_them():
+    scan = scanned([1.0, 0.5])
+    rows = np.flatnonzero(scan.store.rows.counts[: scan.store.count] > 0)
+    light = np.full((len(rows), 3), 0.2)
+    light[0], light[1] = 1.0, 0.0  # clipped; dark
+    shifts = surface_shifts(
+        scan.store, scan.views, rows, eight_bit(light / 4.0 + (light == 1.0)), orbit(1, VIEWS)
+    )
+    assert 20 <= len(shifts) <= MOST_VOXELS
+    np.testing.assert_allclose(shifts, 2.0, atol=0.1)
+    nothing = np.empty(0, np.int64)
+    none = surface_shifts(scan.store, scan.views, nothing, np.empty((0, 3), np.uint8), np.zeros(3))
+    assert len(none) == 0

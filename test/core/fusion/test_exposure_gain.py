@@ -133,3 +133,35 @@ def test_darkness_says_nothing():
     directions, _ = pixels(around(0))
     light.add(directions, np.full((3000, 3), 2, np.uint8))
     assert light.add_frame(directions, np.full((3000, 3), 9, np.uint8)) == 1.0
+
+
+def test_where_parallax_blurs_the_background_the_objects_voxels_tell():
+    rng = np.random.default_rng(6)
+    directions, _ = pixels(around(0))
+
+    def anything():
+        return np.repeat(rng.integers(40, 200, (3000, 1), np.uint8), 3, axis=1)
+
+    def agreed():
+        return rng.normal(0.7, 0.1, 200)
+
+    light = LightMap()
+    light.add(directions, anything())
+    assert np.log2(light.add_frame(directions, anything(), agreed)) == pytest.approx(0.7, abs=0.05)
+    for doubtful in (
+        lambda: rng.normal(0.0, 2.0, 200),
+        lambda: rng.normal(4.0, 0.1, 200),
+        lambda: rng.normal(0.0, 0.1, LEAST_TEXELS - 1),
+    ):
+        before = light.gain
+        assert light.add_frame(directions, anything(), doubtful) == before
+
+
+def test_a_clear_background_asks_nobody():
+    def never():
+        raise AssertionError
+
+    light = LightMap()
+    for exposure in (1.0, 0.5):
+        light.add_frame(*pixels(around(0), exposure), never)
+    assert light.gain == pytest.approx(2.0, rel=0.03)
