@@ -35,7 +35,10 @@ def _demo(options: argparse.Namespace) -> int:
     estimate = estimate_over_dds(capture.bag)
     compared = compare(estimate, capture.truth)
     print(f"\nthe whole scan, {estimate.model_id}, Ward variant {estimate.ward_variant}:\n")
-    print(f"{table(compared)}\n", flush=True)
+    print(f"{table(compared)}\n")
+    if estimate.status:
+        print(f"{estimate.status.name}: {estimate.status_text}\n")
+    sys.stdout.flush()
 
     # Matplotlib takes a while to import: the comparison is on the screen meanwhile.
     from reflest_ros.demo.picture import draw

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,17 +13,23 @@ from reflest_core.estimation.estimate import BrdfEstimate
 
 @dataclass(frozen=True)
 class ComparedParameter:
-    """One number of the BRDF with its meaning."""
+    """One number of the BRDF with its meaning; ``stddev`` is NaN where it is not known."""
 
     name: str
     meaning: str
     truth: float
     estimate: float
+    stddev: float
 
     @property
     def error(self) -> float:
         """Estimate minus truth."""
         return self.estimate - self.truth
+
+    @property
+    def deviation(self) -> str:
+        """The estimate's standard deviation as text, empty where it is not known."""
+        return "" if math.isnan(self.stddev) else f"±{self.stddev:.3f}"
 
 
 NAMES = (
@@ -38,19 +45,24 @@ NAMES = (
 def compare(estimate: BrdfEstimate, truth: dict[str, Any]) -> list[ComparedParameter]:
     """Every Ward and Lab/c,d value of the estimate beside its truth."""
     return [
-        ComparedParameter(name, meaning, true_value, estimated)
+        ComparedParameter(name, meaning, true_value, estimated, stddev)
         for field, names, meaning in NAMES
-        for name, true_value, estimated in zip(
-            names, _values(truth[field]), _values(getattr(estimate, field)), strict=True
+        for name, true_value, estimated, stddev in zip(
+            names,
+            _values(truth[field]),
+            _values(getattr(estimate, field)),
+            _values(getattr(estimate, f"{field}_stddev")),
+            strict=True,
         )
     ]
 
 
 def table(compared: list[ComparedParameter]) -> str:
-    """The comparison as lines of text."""
-    lines = [f"  {'parameter':<12}{'truth':>9}{'estimate':>10}{'error':>9}   meaning"]
+    """The comparison as lines of text; ± stands before one standard deviation."""
+    lines = [f"  {'parameter':<12}{'truth':>9}{'estimate':>10}{'±':>9}{'error':>9}   meaning"]
     lines += [
-        f"  {one.name:<12}{one.truth:>9.3f}{one.estimate:>10.3f}{one.error:>+9.3f}   {one.meaning}"
+        f"  {one.name:<12}{one.truth:>9.3f}{one.estimate:>10.3f}{one.deviation:>9}"
+        f"{one.error:>+9.3f}   {one.meaning}"
         for one in compared
     ]
     return "\n".join(lines)

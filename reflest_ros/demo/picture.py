@@ -107,13 +107,16 @@ def _show_table(axes: Axes, compared: list[ComparedParameter]) -> None:
     axes.set_axis_off()
     axes.set_xlim(0, 1)
     axes.set_ylim(len(compared) + 1, 0)
-    places = (0.0, 0.56, 0.78, 1.0)
-    for place, heading in zip(places, ("", "truth", "estimate", "error"), strict=True):
+    places = (0.0, 0.44, 0.64, 0.82, 1.0)
+    for place, heading in zip(places, ("", "truth", "estimate", "±", "error"), strict=True):
         axes.text(place, 0.5, heading, color=FAINT, fontsize=12, ha="right", va="center")
     for row, one in enumerate(compared, start=1):
         axes.axhline(row, color=LINE, linewidth=0.8)
         axes.text(0.0, row + 0.5, one.name, color=INK, fontsize=11.5, va="center")
-        values = (f"{one.truth:.3f}", f"{one.estimate:.3f}", f"{one.error:+.3f}")
+        values = (
+            f"{one.truth:.3f}", f"{one.estimate:.3f}", one.deviation.removeprefix("±"),
+            f"{one.error:+.3f}",
+        )  # fmt: skip
         for place, value in zip(places[1:], values, strict=True):
             axes.text(
                 place, row + 0.5, value, color=INK, fontsize=11.5, ha="right", va="center",

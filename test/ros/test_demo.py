@@ -12,6 +12,9 @@ import cv2
 import pytest
 from own_process import ROOT
 from sphere_messages import write_sphere_bag
+from view_input import estimate as made_estimate
+
+from reflest_ros.demo.comparison import compare, table
 
 TRUTH = {
     "ward_variant": "ward-1992", "rho_d": [0.6, 0.2, 0.15], "rho_s": 0.1, "alpha": 0.12,
@@ -38,12 +41,21 @@ def test_the_demo_compares_with_the_truth_and_draws(capture, tmp_path):
     assert result.returncode == 0, result.stdout + result.stderr
     assert "/reflectance/brdf" in result.stdout
     rows = {words[0]: words[1:] for words in map(str.split, result.stdout.splitlines()) if words}
-    truth, estimate, error = map(float, rows["alpha"][:3])
+    numbers = [word for word in rows["alpha"] if not word.startswith("±")][:3]
+    truth, estimate, error = map(float, numbers)
     assert truth == TRUTH["alpha"]
     assert error == pytest.approx(estimate - truth, abs=2e-3)
     picture = cv2.imread(str(tmp_path / "out" / "reflest-demo.png"))
     assert picture.shape == (750, 1600, 3)
     assert picture.std() > 20
+
+
+def test_the_table_gives_deviations_where_they_are_known():
+    lines = table(compare(made_estimate(alpha=0.1, alpha_stddev=0.03), TRUTH)).splitlines()
+    (alpha,) = (line.split() for line in lines if line.split()[0] == "alpha")
+    assert alpha[1:5] == ["0.120", "0.100", "±0.030", "-0.020"]
+    (rho_s,) = (line for line in lines if line.split()[0] == "rho_s")
+    assert "±" not in rho_s
 
 
 def test_a_capture_without_truth_is_named_in_one_sentence(tmp_path):
