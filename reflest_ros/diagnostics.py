@@ -52,6 +52,8 @@ class Diagnostics:
                 ScanWarnings(self._node, session.scanner),
                 RecentCounts(WINDOW), RecentCounts(WINDOW),
             )  # fmt: skip
+            # Rates count from here: a burst may come before the first period ends.
+            _sample(self._watched)
 
     def publish(self) -> None:
         """Publish the state as it is now."""
