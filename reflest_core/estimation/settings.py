@@ -21,7 +21,7 @@ from reflest_core.parameter import ParameterError, check_parameters, parameter
 class EstimationSettings:
     """Which network looks at the scan, and when there is too little to look at."""
 
-    model: str = parameter("grouplet-slow", "The network that estimates.", choices=tuple(MODELS))
+    model: str = parameter("lightnet", "The network that estimates.", choices=tuple(MODELS))
     weights: str = parameter("", "Weight file to use in place of the shipped one.")
     device: str = parameter(
         "cpu", "Where the network runs; cuda needs PyTorch and a CUDA device.", choices=DEVICES
