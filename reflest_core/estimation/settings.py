@@ -42,19 +42,19 @@ class EstimationSettings:
         minimum=0.0, maximum=1.0,
     )  # fmt: skip
     low_light: float = parameter(
-        0.15,
+        0.1,
         "Below this share of the directions that light the surface, as the background showed them, "
         "lightnet's estimate is marked LOW_LIGHT.",
         minimum=0.0, maximum=1.0,
     )  # fmt: skip
     clipped_light: float = parameter(
-        0.5,
+        0.6,
         "Above this share of the light from overexposed background lightnet's estimate is marked "
         "CLIPPED_LIGHT.",
         minimum=0.0, maximum=1.0,
     )  # fmt: skip
     low_gloss: float = parameter(
-        0.03, "Below this rho_s an estimate is marked UNCERTAIN_GLOSS.", minimum=0.0, maximum=1.0
+        0.02, "Below this rho_s an estimate is marked UNCERTAIN_GLOSS.", minimum=0.0, maximum=1.0
     )
 
     def __post_init__(self) -> None:
