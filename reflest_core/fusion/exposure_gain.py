@@ -22,6 +22,8 @@ DARKEST = 0.01
 """Mean luminance of a texel, before which steps of 8 bits and noise count for much."""
 SAME_EXPOSURE = 0.04
 """Stops: what differs by less counts as not changed, so that a locked exposure stays exact."""
+SHARED_EXPOSURE = 0.15
+"""Stops: a frame adds to a stored view whose exposure is this near, above the noise of a gain."""
 CLEAR_SHIFT = 0.5
 """Of the texels' median absolute deviation: what shifts less may be parallax or motion."""
 CLEAR_SHIFT_OF_ONE = 6.0
@@ -92,9 +94,9 @@ def _middle(shifts: NDArray[np.float64]) -> tuple[float, float]:
     return stops, float(np.median(np.abs(shifts - stops)))
 
 
-def is_same_exposure(gain: float, other: float) -> bool:
-    """Whether two gains differ by less than anyone would correct."""
-    return abs(math.log2(gain / other)) < SAME_EXPOSURE
+def may_share_view(gain: float, other: float) -> bool:
+    """Whether a frame's gain is near enough to a stored view's for its observations to join it."""
+    return abs(math.log2(gain / other)) < SHARED_EXPOSURE
 
 
 @compiled

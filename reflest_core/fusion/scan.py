@@ -15,7 +15,7 @@ from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.errors import ReflestError
 from reflest_core.fusion.background_light import background_pixels
 from reflest_core.fusion.colour_statistics import foreground_background_means
-from reflest_core.fusion.exposure_gain import is_same_exposure
+from reflest_core.fusion.exposure_gain import may_share_view
 from reflest_core.fusion.foreground import FramePixels, classify_pixels
 from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.light_map import LightMap
@@ -164,7 +164,7 @@ class Scan:
             is_new_view = (
                 len(near) == 0
                 or bool(unseen.mean() > NEW_SURFACE_SHARE)
-                or not is_same_exposure(self.light.gain, float(self.views.gains[near[0]]))
+                or not may_share_view(self.light.gain, float(self.views.gains[near[0]]))
             )
             view = self._add_view(frame, foreground, background) if is_new_view else int(near[0])
             self.views.frames[view] += 1
