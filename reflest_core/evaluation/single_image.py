@@ -65,10 +65,15 @@ class OneView:
 def optimise_single_image(
     surface: ObservedSurface, statistics: ParameterStatistics, effort: Effort | None = None
 ) -> NDArray[np.float64]:
-    """(5,) Ward parameters from the one view that saw most of the surface."""
+    """(5,) Ward parameters from the one view that saw most of the surface, on one thread."""
     effort = effort or Effort()
-    problem = _Problem(fullest_view(surface), statistics, effort, Prior())
-    found = [problem.solve(alpha) for alpha in effort.starts]
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        problem = _Problem(fullest_view(surface), statistics, effort, Prior())
+        found = [problem.solve(alpha) for alpha in effort.starts]
+    finally:
+        torch.set_num_threads(threads)
     return min(found, key=lambda pair: pair[0])[1]
 
 
