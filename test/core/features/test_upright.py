@@ -72,8 +72,11 @@ def test_a_lying_world_gives_the_shading_of_the_z_up_world():
             (standing, standing.light), (raised, raised.light), (raised, lying.light)
         )
     )  # fmt: skip
-    np.testing.assert_allclose(found, expected, atol=0.005)
-    assert np.abs(forgotten - expected).max() > 0.05
+    # Turning looks each texel up among the old ones, so a little is lost at the edge of what was seen.
+    cost = np.abs(forgotten - expected).max()
+    assert cost > 0.05
+    assert np.abs(found - expected).max() < 0.05 * cost
+    assert np.median(np.abs(found - expected)) < 0.001
 
 
 @pytest.mark.parametrize("up", [(0.0, -1.0, 0.0), (0.3, -0.5, -0.8)])
