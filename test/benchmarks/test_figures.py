@@ -9,7 +9,6 @@ import mmap
 import sys
 import time
 
-import numpy as np
 import pytest
 
 from benchmarks.comparison import compare_with_open3d

@@ -72,7 +72,7 @@ def test_a_lying_world_gives_the_shading_of_the_z_up_world():
             (standing, standing.light), (raised, raised.light), (raised, lying.light)
         )
     )  # fmt: skip
-    # Turning looks each texel up among the old ones, so a little is lost at the edge of what was seen.
+    # Turning looks each texel up among the old ones: a little is lost where what was seen ends.
     cost = np.abs(forgotten - expected).max()
     assert cost > 0.05
     assert np.abs(found - expected).max() < 0.05 * cost
