@@ -67,6 +67,7 @@ class Diagnostics:
             status.message = "not configured"
         else:
             _sample(watched)
+            watched.session.inputs.recheck_qos()
             status.message = "scanning" if watched.session.is_active else "paused"
             if warnings := _warnings(watched):
                 status.level = DiagnosticStatus.WARN

@@ -47,7 +47,8 @@ class Input:
 
     ``last_arrival``: of its last message, or of the subscription; ``time.monotonic``.
     ``last_stamp_ns``: of its last message, None before the first. ``qos_problem``: "" or a sentence
-    about publishers that cannot be heard. ``is_awaited``: whether its silence is worth a warning.
+    about publishers that cannot be heard, found after ``count_at_problem`` messages.
+    ``is_awaited``: whether its silence is worth a warning.
     """
 
     role: Role
@@ -57,6 +58,7 @@ class Input:
     last_arrival: float = 0.0
     last_stamp_ns: int | None = None
     qos_problem: str = ""
+    count_at_problem: int = 0
 
     def take(self, message: SensorMessage) -> None:
         """Note the arrival of a message."""
@@ -112,6 +114,12 @@ class Inputs:
         for state in self.states:
             state.last_arrival = started
 
+    def recheck_qos(self) -> None:
+        """Take back what was mended; the middleware tells of it some time after a message came."""
+        for topic, state in self._listened:
+            if state.qos_problem and state.count > state.count_at_problem:
+                state.qos_problem = self._qos_problem(topic)
+
     def deactivate(self) -> None:
         """Drop the subscriptions."""
         for subscription in self._subscriptions:
@@ -123,8 +131,6 @@ class Inputs:
             converted = topic.convert(message)
             state.take(converted)
             sink.offer(topic.role, converted)
-            if state.qos_problem:  # perhaps it was mended
-                state.qos_problem = self._qos_problem(topic)
 
         return self._node.create_subscription(
             topic.message_type, topic.name, on_message, topic.qos,
@@ -139,6 +145,7 @@ class Inputs:
         """Warn of a publisher that has just been found out of reach."""
         unseen = unseen_problem(topic.name, QoSPolicyKind(event.last_policy_kind))
         state.qos_problem = self._qos_problem(topic) or unseen
+        state.count_at_problem = state.count
         self._node.get_logger().warning(state.qos_problem)
 
     def _qos_problem(self, topic: InputTopic) -> str:

@@ -40,7 +40,8 @@ Preview, voxels, environment and markers are made at keyframes and on `~/estimat
 thread, and only where someone subscribes; who comes later gets the last keyframe at once. RViz and
 Foxglove show them without plug-ins: `config/reflest.rviz`, `config/foxglove_layout.json`. The
 pictures are renders of these messages from the shipped capture by
-`python -m reflest_ros.demo.pictures`, not screenshots of a display. [environment.md](environment.md) says more of the light.
+`python -m reflest_ros.demo.pictures`, not screenshots of a display.
+[environment.md](environment.md) says more of the light.
 
 ![The sphere of the preview](images/view-preview.png)
 ![The cloud in its three colourings](images/view-voxels.png)
