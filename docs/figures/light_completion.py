@@ -13,14 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf import srgb
+from reflest_core.environment.equirectangular import equirectangular_directions
 from reflest_core.features.light.explained_light import explain
-from reflest_core.fusion.octahedral import octahedral_texel
-from reflest_core.synbrdf.environments import (
-    directions,
-    find_environments,
-    load_environment,
-    rotated,
-)
+from reflest_core.fusion.octahedral import octahedral_texels
+from reflest_core.synbrdf.environments import find_environments, load_environment, rotated
 from reflest_core.synbrdf.scene_file import load_scenes
 from reflest_core.synbrdf.scene_light import scene_light
 
@@ -32,10 +28,8 @@ DARKER = 0.25
 def lat_long(octahedral: NDArray[np.float32]) -> NDArray[np.float32]:
     """(N, N, C) looked up as (96, 192, C)."""
     size = len(octahedral)
-    towards = directions(HEIGHT).reshape(-1, 3)
-    texels = [octahedral_texel(x, y, z, size) for x, y, z in towards]
-    rows, columns = np.array(texels).T
-    return np.asarray(octahedral[rows, columns].reshape(HEIGHT, 2 * HEIGHT, -1))
+    texels = octahedral_texels(equirectangular_directions(HEIGHT), size)
+    return octahedral.reshape(size * size, -1)[texels]
 
 
 def main() -> None:

@@ -22,7 +22,7 @@ from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
-from reflest_core.features.light.completion import LightPyramid, halved
+from reflest_core.features.light.completion import levels_below
 from reflest_core.features.light.irradiance import mean_radiance
 from reflest_core.features.light.ward_lobe import ROUGHNESSES, lobe_radiance
 from reflest_core.fusion.observed_surface import ObservedSurface
@@ -95,10 +95,7 @@ def scan(folder: Path, region: RegionSettings) -> Scanned:
 def rendered(scanned: Scanned, estimate: BrdfEstimate) -> Points:
     """(V, 3) sRGB of every voxel as the frame's camera would see the estimate there."""
     surface = scanned.surface
-    levels = [completed_light(surface)]
-    while len(levels[-1]) % 2 == 0:
-        levels.append(halved(levels[-1]))
-    light = LightPyramid(levels)
+    light = levels_below(completed_light(surface))
     towards = scanned.frame.T_world_camera[:3, 3] - surface.positions
     towards /= np.linalg.norm(towards, axis=1, keepdims=True)
     lobes = lobe_radiance(light, surface.normals, towards.astype(np.float32))[..., :3]

@@ -6,7 +6,9 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from array_api_compat import array_namespace
+from numpy.typing import NDArray
 
 Array = Any
 
@@ -25,3 +27,7 @@ def decode(encoded: Array) -> Array:
     clipped = xp.clip(encoded, 0, 1)
     curve = ((xp.clip(clipped, 0.04045, 1) + 0.055) / 1.055) ** 2.4
     return xp.where(clipped <= 0.04045, clipped / 12.92, curve)
+
+
+LINEAR: NDArray[np.float32] = np.asarray(decode(np.arange(256) / 255.0), np.float32)
+"""(256,) linear light of the 8-bit values."""

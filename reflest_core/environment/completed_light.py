@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf.lab import LUMINANCE_WEIGHTS
 from reflest_core.features.light.completion import complete, halved
 from reflest_core.features.light.explained_light import explain
 from reflest_core.fusion.observed_surface import ObservedSurface
@@ -21,8 +22,6 @@ COARSE, FINE = 24, 48
 """Edges of the maps that brightness is averaged from, and given at."""
 SHARPNESS = 8
 """Exponent of the cosine that weighs the average: half its height 24 degrees away."""
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
-"""Of linear sRGB (Rec. 709)."""
 
 
 def completed_light(surface: ObservedSurface) -> NDArray[np.float32]:
@@ -40,8 +39,8 @@ def completed_light(surface: ObservedSurface) -> NDArray[np.float32]:
     found = explain(surface, light)
     smooth, told = found.filled.levels[0], found.light.levels[0]
     is_unseen = light.coverage == 0.0
-    brightness = _averaged(told[..., :3] @ LUMINANCE, is_unseen)
-    scale = brightness / np.maximum(smooth[..., :3] @ LUMINANCE, 1e-6)
+    brightness = _averaged(told[..., :3] @ LUMINANCE_WEIGHTS, is_unseen)
+    scale = brightness / np.maximum(smooth[..., :3] @ LUMINANCE_WEIGHTS, 1e-6)
     completed = told.copy()
     completed[is_unseen, :3] = smooth[is_unseen, :3] * scale[is_unseen, None]
     return completed

@@ -34,7 +34,7 @@ class EstimationSettings:
     )
     up: tuple[float, float, float] = parameter(
         (0.0, 0.0, 1.0),
-        "Up in the world frame of the poses. Maps that begin at a camera (7-Scenes): 0, -1, 0.",
+        "Up in the world frame of the poses. Maps that begin at a level camera: 0, -1, 0.",
     )
     low_coverage: float = parameter(
         0.15,

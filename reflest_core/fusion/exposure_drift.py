@@ -9,14 +9,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf.lab import LUMINANCE_WEIGHTS
 from reflest_core.brdf.srgb import decode
 from reflest_core.fusion.views import ViewTable
 
 LEAST_VIEWS = 12
 """Fewer views say nothing."""
-
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-"""Of linear sRGB (Rec. 709)."""
 
 
 def exposure_drift(views: ViewTable) -> float:
@@ -39,7 +37,7 @@ def exposure_drift(views: ViewTable) -> float:
 
 def _brightening(colours: NDArray[np.float32]) -> float:
     """Stops from the first to the last third of (W, 3) mean 8-bit colours, NaN where unknown."""
-    luminance = decode(colours.astype(np.float64) / 255.0) @ LUMINANCE
+    luminance = decode(colours.astype(np.float64) / 255.0) @ LUMINANCE_WEIGHTS
     known = luminance[luminance > 0.0]
     if len(known) < LEAST_VIEWS:
         return math.nan

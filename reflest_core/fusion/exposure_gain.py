@@ -14,8 +14,6 @@ from reflest_core.brdf import srgb
 from reflest_core.fusion.octahedral import octahedral_texel
 from reflest_core.jit import compiled, kernel_array
 
-LINEAR = np.asarray(srgb.decode(np.arange(256) / 255.0), np.float32)
-"""Linear light of the 8-bit values."""
 LEAST_TEXELS = 20
 """Texels in common, of some 600 that a frame shows; fewer say nothing."""
 DARKEST = 0.01
@@ -66,7 +64,7 @@ def exposure_gain(
     """
     shifts = _shifts(
         *known, *_texels_of(
-            kernel_array(directions, np.float32), kernel_array(colours, np.uint8), LINEAR,
+            kernel_array(directions, np.float32), kernel_array(colours, np.uint8), srgb.LINEAR,
             len(known[1]),
         ), DARKEST * DARKEST * last,
     )  # fmt: skip

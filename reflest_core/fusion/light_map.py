@@ -9,7 +9,8 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.exposure_gain import LINEAR, Witness, exposure_gain, no_witness
+from reflest_core.brdf import srgb
+from reflest_core.fusion.exposure_gain import Witness, exposure_gain, no_witness
 from reflest_core.fusion.octahedral import octahedral_solid_angles, octahedral_texel
 from reflest_core.jit import compiled, kernel_array
 
@@ -88,7 +89,7 @@ class LightMap:
         disagree on what is clipped, the one with the brightest white is believed.
         """
         _accumulate(
-            kernel_array(directions, np.float32), kernel_array(colours, np.uint8), LINEAR,
+            kernel_array(directions, np.float32), kernel_array(colours, np.uint8), srgb.LINEAR,
             np.float32(gain), self.radiance_sum, self.count, self.clipped_count, self.white,
         )  # fmt: skip
 

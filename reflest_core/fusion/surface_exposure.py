@@ -10,14 +10,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.exposure_gain import DARKEST, LINEAR
+from reflest_core.brdf import srgb
+from reflest_core.brdf.lab import LUMINANCE_WEIGHTS
+from reflest_core.fusion.exposure_gain import DARKEST
 from reflest_core.fusion.observation_store import ObservationStore
 from reflest_core.fusion.views import ViewTable
 
 MOST_VOXELS = 400
 """More are thinned evenly."""
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
-"""Of linear sRGB (Rec. 709)."""
 
 
 def surface_shifts(
@@ -45,7 +45,9 @@ def surface_shifts(
     nearest = np.lexsort((away, owner))[np.cumsum(counts) - counts]
     before, gains = before[nearest], views.gains[view_ids[nearest]]
     is_clear = (before.max(axis=1) < 255) & (colours.max(axis=1) < 255)
-    here, there = ((LINEAR[part] * LUMINANCE).sum(axis=1) for part in (colours, before))
+    here, there = (
+        (srgb.LINEAR[part] * LUMINANCE_WEIGHTS).sum(axis=1) for part in (colours, before)
+    )
     is_clear &= here * there > DARKEST**2
     shifts = np.log2(there[is_clear] * gains[is_clear] / here[is_clear])
     return np.asarray(shifts, np.float64)

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.environment.equirectangular import equirectangular_directions
 from reflest_core.errors import ReflestError
 from reflest_core.synbrdf.cubemap import look_up, read_cubemap
 from reflest_core.synbrdf.procedural_sky import procedural_sky
@@ -117,17 +118,6 @@ def rotated(radiance: NDArray[np.float32], angle: float) -> NDArray[np.float32]:
     return np.asarray(turned, np.float32)
 
 
-def directions(height: int) -> NDArray[np.float64]:
-    """Unit vectors (height, 2 * height, 3) of the texel centres, world frame, z up."""
-    polar = (np.arange(height) + 0.5) / height * np.pi
-    azimuth = (0.5 - (np.arange(2 * height) + 0.5) / (2 * height)) * 2.0 * np.pi
-    sine = np.sin(polar)[:, None]
-    return np.stack(
-        np.broadcast_arrays(sine * np.cos(azimuth), sine * np.sin(azimuth), np.cos(polar)[:, None]),
-        axis=-1,
-    )
-
-
 def _collection_names(path: Path) -> list[str]:
     try:
         with np.load(path) as archive:
@@ -142,7 +132,7 @@ def _read(source: EnvironmentSource) -> NDArray[np.float32]:
         with np.load(source.path) as archive:
             return np.asarray(archive[source.member], np.float32)
     if source.path.suffix.lower() == ".ktx":
-        return look_up(read_cubemap(source.path), directions(CUBEMAP_HEIGHT))
+        return look_up(read_cubemap(source.path), equirectangular_directions(CUBEMAP_HEIGHT))
     # OpenCV reads OpenEXR only where the process asks for it.
     os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
     import cv2

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 from scipy.special import expit
 
-from reflest_core.synbrdf.environments import directions, rotated
+from reflest_core.environment.equirectangular import equirectangular_directions
+from reflest_core.synbrdf.environments import rotated
 from reflest_core.synbrdf.procedural_room import procedural_room
 from reflest_core.synbrdf.procedural_sky import procedural_sky
 
@@ -79,7 +80,7 @@ def _smooth_field(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
 
 def _lamps(rng: np.random.Generator, height: int, mean: float) -> NDArray[np.float64]:
     """Return one to four soft round lamps; together they send 0.2 to 3 times the other light."""
-    towards = directions(height)
+    towards = equirectangular_directions(height)
     lamps = np.zeros((height, 2 * height, 3))
     for _ in range(int(rng.integers(1, 5))):
         axis = rng.normal(size=3) + np.array([0.0, 0.0, 0.6])

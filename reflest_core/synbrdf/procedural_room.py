@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from reflest_core.synbrdf.environments import directions
+from reflest_core.environment.equirectangular import equirectangular_directions
 
 FloatArray = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ def procedural_room(seed: int, height: int = 128) -> NDArray[np.float32]:
     rng = np.random.default_rng(np.random.SeedSequence([0x400, seed]))
     size = np.array([*rng.uniform(2.5, 9.0, 2), rng.uniform(2.3, 4.0)])
     viewer = size * np.array([*rng.uniform(0.15, 0.85, 2), rng.uniform(0.2, 0.6)])
-    wall, spot = _walls(directions(height), size, viewer)
+    wall, spot = _walls(equirectangular_directions(height), size, viewer)
     emission = np.zeros((height, 2 * height, 3))
     emission += _windows(rng, wall, spot, size)
     emission += _ceiling_lamps(rng, wall, spot, size)

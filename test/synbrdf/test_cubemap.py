@@ -7,10 +7,10 @@ import struct
 import numpy as np
 import pytest
 
+from reflest_core.environment.equirectangular import equirectangular_directions
 from reflest_core.synbrdf.cubemap import IDENTIFIER, look_up, read_cubemap
 from reflest_core.synbrdf.environments import (
     EnvironmentUnreadable,
-    directions,
     find_environments,
     load_environment,
 )
@@ -57,7 +57,7 @@ def test_neighbouring_faces_meet_without_a_seam():
     ]  # fmt: skip
     faces = np.stack([np.stack(face, axis=-1) for face in cube])
     faces /= np.linalg.norm(faces, axis=-1, keepdims=True)
-    wanted = directions(40)
+    wanted = equirectangular_directions(40)
     found = look_up(faces.astype(np.float32), wanted)
     back = np.stack([found[..., 0], -found[..., 2], found[..., 1]], axis=-1)
     assert np.abs(back - wanted).max() < 2.5 / size

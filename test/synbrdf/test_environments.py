@@ -4,11 +4,11 @@ import cv2
 import numpy as np
 import pytest
 
+from reflest_core.environment.equirectangular import equirectangular_directions
 from reflest_core.errors import ReflestError
 from reflest_core.synbrdf.environment_lookup import radiance_from
 from reflest_core.synbrdf.environments import (
     EnvironmentUnreadable,
-    directions,
     find_environments,
     load_environment,
     procedural_skies,
@@ -24,7 +24,7 @@ def gradient(height=16):
 
 
 def test_directions_follow_the_convention():
-    towards = directions(64)
+    towards = equirectangular_directions(64)
     np.testing.assert_allclose(np.linalg.norm(towards, axis=-1), 1.0)
     assert towards[0, :, 2].min() > 0.99
     assert towards[-1, :, 2].max() < -0.99
@@ -35,7 +35,7 @@ def test_directions_follow_the_convention():
 
 def test_lookup_returns_the_texel_and_means_between_them():
     environment = gradient()
-    towards = directions(16)
+    towards = equirectangular_directions(16)
     seen = radiance_from(environment, towards.reshape(-1, 3).astype(np.float32))
     np.testing.assert_allclose(seen, environment.reshape(-1, 3), atol=1e-3)
     polar = (5 + 0.5) / 16 * np.pi
@@ -61,7 +61,7 @@ def test_rotation_turns_anticlockwise():
     environment[8, 16] = 5.0  # about +x
     turned = rotated(environment, np.pi / 2)
     row, column = np.unravel_index(turned[..., 0].argmax(), (16, 32))
-    np.testing.assert_allclose(directions(16)[row, column], [0, 1, 0], atol=0.15)
+    np.testing.assert_allclose(equirectangular_directions(16)[row, column], [0, 1, 0], atol=0.15)
     np.testing.assert_allclose(turned.sum(), environment.sum(), rtol=1e-5)
 
 

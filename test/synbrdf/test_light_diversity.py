@@ -5,7 +5,8 @@
 import numpy as np
 import pytest
 
-from reflest_core.synbrdf.environments import directions, procedural_skies
+from reflest_core.environment.equirectangular import equirectangular_directions
+from reflest_core.synbrdf.environments import procedural_skies
 from reflest_core.synbrdf.generation import Generation, GenerationRefused
 from reflest_core.synbrdf.light_diversity import draw_diverse_light
 from reflest_core.synbrdf.procedural_room import procedural_room
@@ -31,7 +32,7 @@ def test_every_draw_is_light_and_like_no_source(seed):
 
 
 def test_a_room_is_brightest_at_its_lamps_and_windows_and_no_lamp_is_below():
-    below = directions(64)[..., 2] < -0.7
+    below = equirectangular_directions(64)[..., 2] < -0.7
     for seed in range(8):
         light = procedural_room(seed, 64).mean(axis=-1)
         assert light.mean() == pytest.approx(1.0, abs=1e-3)

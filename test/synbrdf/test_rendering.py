@@ -7,8 +7,8 @@ import pytest
 
 from reflest_core.brdf import ward
 from reflest_core.brdf.parameters import WardParameters, WardVariant
+from reflest_core.environment.equirectangular import equirectangular_directions
 from reflest_core.synbrdf.environment_lookup import radiance_from
-from reflest_core.synbrdf.environments import directions
 from test.synbrdf.spheres import icosphere, joined
 
 mitsuba_scene = pytest.importorskip("reflest_core.synbrdf.mitsuba_scene")
@@ -24,7 +24,7 @@ def scene_of(mesh, radiance, material=WardParameters((0.5, 0.5, 0.5), 0.0, 0.1))
 
 def lit_from_the_side(height=64):
     """A smooth environment with a lobe of light about (1, 1, 1), red above and blue below."""
-    towards = directions(height)
+    towards = equirectangular_directions(height)
     lobe = 4.0 * np.exp(6.0 * (towards @ np.ones(3) / 3**0.5 - 1.0))
     colour = np.stack([1 + towards[..., 2], np.ones(towards.shape[:2]), 1 - towards[..., 2]], -1)
     return ((0.2 + lobe)[..., None] * colour).astype(np.float32)
@@ -33,7 +33,7 @@ def lit_from_the_side(height=64):
 def reflected(material, normal, towards_camera, environment):
     """Radiance by summing over the environment's texels."""
     height = len(environment)
-    incident = directions(height).reshape(-1, 3)
+    incident = equirectangular_directions(height).reshape(-1, 3)
     polar = (np.arange(height) + 0.5) / height * np.pi
     solid_angle = np.repeat(np.sin(polar) * np.pi**2 / height**2, 2 * height)
     tangent = np.cross(normal, [0.3, -0.5, 0.8])
@@ -84,7 +84,7 @@ def test_rays_past_the_object_return_the_texel_of_their_direction():
     environment = lit_from_the_side(128)
     scene = scene_of(icosphere(2, 0.01, centre=(5.0, 5.0, 5.0)), environment)
     rows, columns = np.meshgrid([12, 36, 64, 100], [0, 20, 80, 160, 255], indexing="ij")
-    towards = directions(128)[rows, columns].reshape(-1, 3).astype(np.float32)
+    towards = equirectangular_directions(128)[rows, columns].reshape(-1, 3).astype(np.float32)
     tracer = mitsuba_scene.RadianceTracer(4, lanes=1 << 10)
     traced = tracer.trace(scene, np.zeros_like(towards), towards, seed=3)
     # Mitsuba stretches a map's rows so that the first lies on the pole: half a texel at most.
@@ -95,7 +95,7 @@ def test_rays_past_the_object_return_the_texel_of_their_direction():
 
 def test_more_rays_than_fit_at_once_are_traced_in_order():
     scene = scene_of(icosphere(2, 0.01, centre=(5.0, 5.0, 5.0)), lit_from_the_side(16))
-    towards = directions(8).reshape(-1, 3).astype(np.float32)
+    towards = equirectangular_directions(8).reshape(-1, 3).astype(np.float32)
     origins = np.zeros_like(towards)
     whole = mitsuba_scene.RadianceTracer(4, lanes=1 << 10).trace(scene, origins, towards, seed=3)
     parts = mitsuba_scene.RadianceTracer(4, lanes=1 << 7).trace(scene, origins, towards, seed=3)

@@ -13,7 +13,6 @@ from reflest_core.jit import compiled
 
 QUANTILE = 0.15
 """Low, as a highlight only ever adds; not the least, which noise and occluders lower."""
-_LINEAR = np.asarray(srgb.decode(np.arange(256) / 255.0), np.float32)
 
 
 def diffuse_colours(
@@ -21,7 +20,7 @@ def diffuse_colours(
 ) -> NDArray[np.float32]:
     """(V, 3) linear colour of each of ``voxels``; 1 in a channel says that it is clipped."""
     eight_bit = _quantiles(surface.colours, surface.offsets, voxels, quantile)
-    return np.asarray(_LINEAR[eight_bit])
+    return np.asarray(srgb.LINEAR[eight_bit])
 
 
 @compiled

@@ -15,7 +15,6 @@ from reflest_core.fusion.observed_surface import ObservedSurface
 
 OBSERVATIONS = 12
 """Of one voxel at most; more are thinned evenly over the order in which they were made."""
-_LINEAR = np.asarray(srgb.decode(np.arange(256) / 255.0), np.float32)
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,7 @@ def sampled(surface: ObservedSurface, voxels: NDArray[np.int64]) -> SurfaceSampl
     directions = towards / np.linalg.norm(towards, axis=1, keepdims=True)
     colours = surface.colours[rows]
     return SurfaceSample(
-        voxels, surface.normals[voxels], voxel_of, slot, directions, _LINEAR[colours],
+        voxels, surface.normals[voxels], voxel_of, slot, directions, srgb.LINEAR[colours],
         colours == 255,
     )  # fmt: skip
 

@@ -16,7 +16,6 @@ USUAL_ALBEDO = 0.25
 """Mean diffuse albedo of SynBRDF's materials."""
 ASSUMED_COVERAGE = 1e-3
 """Above 0, so that the assumed radiance counts; far below what any background shows."""
-_LINEAR = np.asarray(srgb.decode(np.arange(256) / 255.0), np.float32)
 
 
 def surface_shading(
@@ -31,7 +30,7 @@ def surface_shading(
 
 def assumed_light(surface: ObservedSurface) -> ObservedLight:
     """Grey light from everywhere, as strong as would make the surface of usual albedo."""
-    brightness = float(_LINEAR[surface.colours].mean()) if len(surface.colours) else 0.0
+    brightness = float(srgb.LINEAR[surface.colours].mean()) if len(surface.colours) else 0.0
     radiance = np.full((SIZE, SIZE, 3), brightness / USUAL_ALBEDO, np.float32)
     coverage = np.full((SIZE, SIZE), ASSUMED_COVERAGE, np.float32)
     return ObservedLight(radiance, coverage, np.zeros((SIZE, SIZE), np.float32))
