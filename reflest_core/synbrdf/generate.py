@@ -31,6 +31,7 @@ def generate(
     Only this process writes, each file whole: a killed run leaves whole shards, and the same call
     goes on and ends with the same bytes, whoever the ``workers`` are.
     """
+    generation.check_extra()
     manifest = generation.manifest()
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -11,8 +11,17 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from reflest_core.errors import ReflestError
-from reflest_core.synbrdf.environments import EnvironmentSource, find_environments, procedural_skies
+from reflest_core.synbrdf.environment_likeness import SAME, likeness
+from reflest_core.synbrdf.environments import (
+    EnvironmentSource,
+    find_environments,
+    load_environment,
+    procedural_skies,
+)
 from reflest_core.synbrdf.metering import Metering
 from reflest_core.synbrdf.mitsuba_runtime import missing_package
 from reflest_core.synbrdf.realism.settings import Realism
@@ -25,6 +34,8 @@ from reflest_core.synbrdf.splits import Sources, Split, sources_of
 SHARD_SCENES = 20
 SKIES = 24
 """Procedural environments, where no folder of environments is given."""
+COMPARED_ROWS = 32
+"""Height of the environments at which they are compared."""
 PACKAGES = ("mitsuba", "drjit", "karellen-llvm-core", "numpy", "scipy", "scikit-image")
 """Libraries whose versions may change the bytes."""
 
@@ -39,7 +50,8 @@ class Generation:
 
     ``without``: environments that neither train nor validation uses, kept to develop on.
     ``realism``: the faults of real captures; None for perfect cameras and surfaces. ``metering``:
-    what the camera exposes for.
+    what the camera exposes for. ``extra_environments``: further ones, of training scenes alone;
+    they leave the splits of ``environments`` as they are.
     """
 
     seed: int
@@ -53,6 +65,7 @@ class Generation:
     without: tuple[str, ...] = ()
     realism: Realism | None = None
     metering: Metering = Metering.FRAME
+    extra_environments: Path | None = None
 
     def __post_init__(self) -> None:
         bounds = {
@@ -73,12 +86,26 @@ class Generation:
         if unknown:
             raise GenerationRefused(f"--without names no environment: {', '.join(sorted(unknown))}")
         kept = [source for source in sources.environments if source.name not in self.without]
+        if split is Split.TRAIN:
+            kept += self._extra()
         return dataclasses.replace(sources, environments=kept)
 
     def scene(self, split: Split, index: int) -> Scene:
         """Draw scene ``index`` of ``split``."""
         sources = self.sources(split)
         return draw_scene(self.seed, split, index, sources, self.views, self.lighting)
+
+    def check_extra(self) -> None:
+        """Refuse a further environment that is one of the others under another name."""
+        known = [(source.name, _small(source)) for source in self._environments()]
+        for source in self._extra():
+            shown = _small(source)
+            for name, radiance in known:
+                if likeness(shown, radiance) > SAME:
+                    raise GenerationRefused(
+                        f"{source.name} of --extra-environments shows the same light as {name} of "
+                        "--environments: take it out, so that what is held out stays unseen"
+                    )
 
     def manifest(self) -> dict[str, Any]:
         """What a resumed run must agree with."""
@@ -94,6 +121,7 @@ class Generation:
             "realism": None if self.realism is None else dataclasses.asdict(self.realism),
             "metering": self.metering.value,
             "environments": [source.name for source in self._environments()],
+            "extra_environments": [source.name for source in self._extra()],
             "meshes": [source.name for source in self._meshes()],
             "versions": _versions(),
             "code": source_fingerprint(),
@@ -104,8 +132,17 @@ class Generation:
             return procedural_skies(SKIES)
         return find_environments(self.environments)
 
+    def _extra(self) -> list[EnvironmentSource]:
+        if self.extra_environments is None:
+            return []
+        return find_environments(self.extra_environments)
+
     def _meshes(self) -> list[MeshSource]:
         return [] if self.meshes is None else find_meshes(self.meshes)
+
+
+def _small(source: EnvironmentSource) -> NDArray[np.float32]:
+    return load_environment(source, COMPARED_ROWS)
 
 
 def _versions() -> dict[str, str]:

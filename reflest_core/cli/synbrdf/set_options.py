@@ -23,6 +23,9 @@ def add_set_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--environments", type=Path, help=".hdr, .exr or .npz files; default: procedural skies"
     )
+    parser.add_argument(
+        "--extra-environments", type=Path, help="further ones, for training scenes alone"
+    )
     parser.add_argument("--meshes", type=Path, help=".obj, .ply or .npz; default: procedural only")
     parser.add_argument(
         "--lighting",
@@ -78,6 +81,7 @@ def generation_of(
         tuple(arguments.without),
         realism_of(arguments),
         Metering(arguments.metering),
+        _absolute(arguments.extra_environments),
     )
 
 
