@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Light and material together: gloss is fitted, taken away, and the light fitted again."""
+"""Light and material together: first the gloss, then the light, then both in the whole light."""
 
 from __future__ import annotations
 
@@ -10,12 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.features.light.completion import LightPyramid, complete, levels_below
-from reflest_core.features.light.diffuse_colours import QUANTILE, diffuse_colours
+from reflest_core.features.light.diffuse_colours import diffuse_colours
 from reflest_core.features.light.gloss_fit import GlossFit, fit_gloss
 from reflest_core.features.light.irradiance import DARKEST, mean_radiance
-from reflest_core.features.light.light_from_shading import EVEN, FREE, InferredLight, infer_light
+from reflest_core.features.light.light_from_reflections import infer_light_by_gloss
+from reflest_core.features.light.light_from_shading import InferredLight, infer_light
 from reflest_core.features.light.light_patches import diffuse_response, patch_image
+from reflest_core.features.light.light_prior import EVEN, FREE
 from reflest_core.features.light.material_fit import MaterialFit, fit_material
+from reflest_core.features.light.reflected_patches import reflection
 from reflest_core.features.light.surface_sample import SurfaceSample, sampled
 from reflest_core.features.light.ward_lobe import lobe_radiance
 from reflest_core.features.voxel_choice import choose_voxels
@@ -31,11 +34,12 @@ SHADED, SAMPLED = 512, 96
 class Explanation:
     """What was found, and what it was found from.
 
-    ``filled``, ``light``: the light after pull and push alone, and as the shading completes it.
+    ``filled``, ``light``: the light after pull and push alone, and as the surface completes it.
     ``surface_normals``, ``colours``: (D, 3) of voxels, linear, without highlights.
     ``sample``: the observations that the material was fitted to, ``lobes``: (O, K, 5) the light in
-    their lobes. ``inferred``: the light by the colours, by the colours less the gloss, and by the
-    colours with a free prior. ``gloss``: by what was seen alone. ``material``: by the whole light.
+    their lobes. ``inferred``: the light by the diffuse colours, by the observations with their
+    gloss, and by the diffuse colours with a free prior. ``gloss``: by what was seen alone.
+    ``material``: by the whole light.
     """
 
     filled: LightPyramid
@@ -59,14 +63,17 @@ def explain(surface: ObservedSurface, light: ObservedLight) -> Explanation:
     sample = sampled(surface, choose_voxels(surface, SAMPLED))
     first = infer_light(response, colours, EVEN)
     free = infer_light(response, colours, FREE)
-    lobes = lobe_radiance(filled, sample.normals[sample.voxel_of], sample.directions)
+    normals_of_sample = sample.normals[sample.voxel_of]
+    lobes = lobe_radiance(filled, normals_of_sample, sample.directions)
     gloss = fit_gloss(sample.colours, sample.clipped, lobes, sample.voxel_of)
-    matte = _without_gloss(sample, lobes, gloss)
-    second = infer_light(diffuse_response(light, filled, sample.normals), matte, EVEN)
-    final = completed(light, filled, second)
+    mirrored = reflection(filled, gloss.roughness, normals_of_sample, sample.directions)
+    whole = infer_light_by_gloss(
+        sample, diffuse_response(light, filled, sample.normals), mirrored, gloss, first.albedo
+    )
+    final = completed(light, filled, whole)
     material, lobes = _material(sample, final)
     return Explanation(
-        filled, final, normals, colours, sample, lobes, (first, second, free), gloss, material
+        filled, final, normals, colours, sample, lobes, (first, whole, free), gloss, material
     )
 
 
@@ -93,20 +100,3 @@ def _material(
         np.where(sample.clipped, np.float32(0.0), brightness),
     )
     return fit, lobes
-
-
-def _without_gloss(
-    sample: SurfaceSample, lobes: NDArray[np.float32], gloss: GlossFit
-) -> NDArray[np.float32]:
-    """(V, 3): a low quantile of what each voxel shows beside its gloss; 1 where all is clipped."""
-    share = gloss.gloss * gloss.weight
-    rest = np.maximum(sample.colours - np.einsum("okc,k->oc", lobes[..., :3], share), 0.0)
-    rest = np.where(sample.clipped, np.float32(1.0), np.minimum(rest, np.float32(0.999)))
-    grid = np.sort(sample.spread(rest - 2.0), axis=1)
-    count = np.bincount(sample.voxel_of, minlength=len(sample.voxels))
-    rank = ((count - 1) * MATTE_QUANTILE).astype(np.int64)
-    return np.asarray(grid[np.arange(len(grid)), rank] + 2.0, np.float32)
-
-
-MATTE_QUANTILE = 2 * QUANTILE
-"""Higher than where the gloss is still there."""

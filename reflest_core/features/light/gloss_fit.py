@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.features.light.material_fit import likelihood
+from reflest_core.features.light.ward_lobe import ROUGHNESSES
 from reflest_core.jit import compiled
 
 ROUNDS = 4
@@ -46,6 +47,12 @@ class GlossFit:
     def weight(self) -> NDArray[np.float32]:
         """(K,), how likely each roughness is by its misfit; they sum to 1."""
         return likelihood(self.misfit, SHARPNESS)
+
+    @property
+    def roughness(self) -> int:
+        """Index of the roughness that is nearest to the mean of all, by their weights."""
+        mean = self.weight @ np.array(ROUGHNESSES)
+        return int(np.abs(np.array(ROUGHNESSES) - mean).argmin())
 
 
 def fit_gloss(

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,13 @@ class DiffuseResponse:
     seen: NDArray[np.float32]
     unseen: NDArray[np.float32]
     excess: NDArray[np.float32]
+
+    def columns(self, rows: NDArray[Any], channel: int) -> NDArray[np.float32]:
+        """(R, 1 + 2 P): answers of the chosen normals to what was seen and to every patch."""
+        return np.concatenate(
+            [self.seen[rows, channel, None], self.unseen[rows, :, channel], self.excess[rows]],
+            axis=1,
+        )
 
 
 def diffuse_response(

@@ -14,11 +14,12 @@ from reflest_core.features.light.gloss_fit import GlossFit
 from reflest_core.features.light.irradiance import DARKEST, mean_radiance
 from reflest_core.features.light.light_from_shading import InferredLight
 from reflest_core.features.light.material_fit import MaterialFit
+from reflest_core.features.light.reflected_detail import DETAIL_STATISTICS, reflected_detail
 from reflest_core.features.light.ward_lobe import ROUGHNESSES
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.octahedral import octahedral_solid_angles
 
-CHANNEL_STATISTICS, STATISTICS = 42, 69
+CHANNEL_STATISTICS, STATISTICS = 42, 69 + DETAIL_STATISTICS
 """How many numbers there are of a colour channel, and of all channels."""
 LEAST = 0.01
 """Added before a logarithm of a ratio or an albedo."""
@@ -60,6 +61,7 @@ def scene_statistics(surface: ObservedSurface, found: Explanation) -> SceneStati
             np.log(found.gloss.count[list(_PROBED)] + 1.0) - 4.0,
             _of_coverage(found),
             _of_scan(surface, found),
+            reflected_detail(found.sample),
         ]
     )
     return SceneStatistics(_bounded(of_channels), _bounded(of_all))

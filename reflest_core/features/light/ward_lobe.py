@@ -33,7 +33,7 @@ def lobe_radiance(
     """
     fine, middle, coarse = light.levels[:3]
     return _gather(
-        fine, middle, coarse, np.array(LEVELS), _HALF_VECTORS,
+        fine, middle, coarse, np.array(LEVELS), HALF_VECTORS,
         np.ascontiguousarray(normals, np.float32), np.ascontiguousarray(directions, np.float32),
     )  # fmt: skip
 
@@ -49,7 +49,33 @@ def half_vectors() -> NDArray[np.float32]:
     ).astype(np.float32)
 
 
-_HALF_VECTORS = half_vectors()
+HALF_VECTORS = half_vectors()
+
+
+@compiled
+def incoming(
+    n: NDArray[np.float32],
+    frame: tuple[float, ...],
+    o: NDArray[np.float32],
+    half_vector: NDArray[np.float32],
+) -> tuple[float, float, float, float]:
+    """A sample's weight, 0 below the surface, and the direction that its light comes from.
+
+    ``n``, ``o``: normal and direction of the camera. ``half_vector``: in the tangent ``frame``.
+    """
+    tx, ty, tz, bx, by, bz = frame
+    x, y, z = half_vector[0], half_vector[1], half_vector[2]
+    hx = tx * x + bx * y + n[0] * z
+    hy = ty * x + by * y + n[1] * z
+    hz = tz * x + bz * y + n[2] * z
+    ox, oy, oz = float(o[0]), float(o[1]), float(o[2])
+    along = ox * hx + oy * hy + oz * hz
+    cosine_o = max(ox * n[0] + oy * n[1] + oz * n[2], 1e-3)
+    cosine_i = 2.0 * along * z - cosine_o
+    if along <= 0.0 or cosine_i <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    weight = along * z * z * z * math.sqrt(cosine_i / cosine_o)
+    return weight, 2.0 * along * hx - ox, 2.0 * along * hy - oy, 2.0 * along * hz - oz
 
 
 @compiled
@@ -65,32 +91,18 @@ def _gather(
     roughnesses, samples = half_vectors.shape[:2]
     gathered = np.empty((len(normals), roughnesses, 5), np.float32)
     for observation in range(len(normals)):
-        n = normals[observation]
-        nx, ny, nz = float(n[0]), float(n[1]), float(n[2])
-        o = directions[observation]
-        ox, oy, oz = float(o[0]), float(o[1]), float(o[2])
-        tx, ty, tz, bx, by, bz = tangent_frame(n)
-        cosine_o = max(ox * nx + oy * ny + oz * nz, 1e-3)
+        n, o = normals[observation], directions[observation]
+        frame = tangent_frame(n)
         for roughness in range(roughnesses):
             level = levels[roughness]
             light = fine if level == 0 else (middle if level == 1 else coarse)
             size = len(light)
             total, red, green, blue, seen, clipped = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
             for sample in range(samples):
-                x = half_vectors[roughness, sample, 0]
-                y = half_vectors[roughness, sample, 1]
-                z = half_vectors[roughness, sample, 2]
-                hx = tx * x + bx * y + nx * z
-                hy = ty * x + by * y + ny * z
-                hz = tz * x + bz * y + nz * z
-                along = ox * hx + oy * hy + oz * hz
-                cosine_i = 2.0 * along * z - cosine_o
-                if along <= 0.0 or cosine_i <= 0.0:
+                weight, ix, iy, iz = incoming(n, frame, o, half_vectors[roughness, sample])
+                if weight == 0.0:
                     continue
-                row, column = octahedral_texel(
-                    2.0 * along * hx - ox, 2.0 * along * hy - oy, 2.0 * along * hz - oz, size
-                )
-                weight = along * z * z * z * math.sqrt(cosine_i / cosine_o)
+                row, column = octahedral_texel(ix, iy, iz, size)
                 total += weight
                 red += weight * light[row, column, 0]
                 green += weight * light[row, column, 1]

@@ -8,8 +8,9 @@ import pytest
 from reflest_core.features.light.completion import complete
 from reflest_core.features.light.explained_light import completed
 from reflest_core.features.light.irradiance import mean_radiance
-from reflest_core.features.light.light_from_shading import EVEN, FREE, infer_light
+from reflest_core.features.light.light_from_shading import infer_light
 from reflest_core.features.light.light_patches import PATCHES, diffuse_response
+from reflest_core.features.light.light_prior import EVEN, FREE
 from reflest_core.fusion.light_map import SIZE, ObservedLight
 from reflest_core.fusion.octahedral import octahedral_directions
 

@@ -1,0 +1,81 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The unknown light in patches: what each would add to a reflection."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.features.light.completion import LightPyramid
+from reflest_core.features.light.light_patches import EDGE, PATCHES
+from reflest_core.features.light.ward_lobe import HALF_VECTORS, LEVELS, incoming
+from reflest_core.features.tangent_frame import tangent_frame
+from reflest_core.fusion.octahedral import octahedral_texel
+from reflest_core.jit import compiled, kernel_array
+
+
+@dataclass(frozen=True)
+class Reflection:
+    """Radiance that O observations show of a surface with ``rho_s = 1``, in parts that add up.
+
+    ``seen``: (O, 3), of the light as it was seen, clipped pixels as white. ``unseen``: (O, P, 3),
+    of a smooth fill of each patch's unseen directions. ``excess``: (O, P), of radiance 1 above
+    white where each patch was seen clipped. All float32. Compare :class:`DiffuseResponse`.
+    """
+
+    seen: NDArray[np.float32]
+    unseen: NDArray[np.float32]
+    excess: NDArray[np.float32]
+
+
+def reflection(
+    filled: LightPyramid,
+    roughness: int,
+    normals: NDArray[np.float32],
+    directions: NDArray[np.float32],
+) -> Reflection:
+    """Lobes of ``ROUGHNESSES[roughness]`` about ``normals``, seen from ``directions``, (O, 3) unit.
+
+    ``filled``: the light after pull and push.
+    """
+    return Reflection(
+        *_gather(
+            filled.levels[LEVELS[roughness]], HALF_VECTORS[roughness],
+            kernel_array(normals, np.float32), kernel_array(directions, np.float32), EDGE, PATCHES,
+        )
+    )  # fmt: skip
+
+
+@compiled
+def _gather(
+    light: NDArray[np.float32],
+    half_vectors: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    directions: NDArray[np.float32],
+    edge: int,
+    patches: int,
+) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
+    samples, size = len(half_vectors), len(light)
+    seen = np.zeros((len(normals), 3), np.float32)
+    unseen = np.zeros((len(normals), patches, 3), np.float32)
+    excess = np.zeros((len(normals), patches), np.float32)
+    for observation in range(len(normals)):
+        n, o = normals[observation], directions[observation]
+        frame = tangent_frame(n)
+        for sample in range(samples):
+            weight, ix, iy, iz = incoming(n, frame, o, half_vectors[sample])
+            if weight == 0.0:
+                continue
+            row, column = octahedral_texel(ix, iy, iz, size)
+            patch = (row * edge // size) * edge + column * edge // size
+            share = weight / samples
+            hidden = share * (1.0 - light[row, column, 3])
+            for channel in range(3):
+                radiance = light[row, column, channel]
+                unseen[observation, patch, channel] += hidden * radiance
+                seen[observation, channel] += (share - hidden) * radiance
+            excess[observation, patch] += share * light[row, column, 4]
+    return seen, unseen, excess
