@@ -12,7 +12,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.brdf.lab import LUMINANCE_WEIGHTS
 from reflest_core.features.light.surface_sample import SurfaceSample
 from reflest_core.fusion.octahedral import octahedral_texel
 from reflest_core.jit import compiled, kernel_array
@@ -27,14 +26,15 @@ LEAST = 0.01
 def reflected_detail(sample: SurfaceSample) -> NDArray[np.float32]:
     """(6,) logarithms: the share of the variance within cells of each size, then how much varies.
 
-    What varies is luminance above each voxel's darkest view, in units of the mean luminance.
+    What varies is brightness, the mean of the channels, above each voxel's darkest view, in units of
+    its mean.
     """
     if not len(sample.voxel_of):
         return np.zeros(DETAIL_STATISTICS, np.float32)
-    luminance = sample.colours @ LUMINANCE_WEIGHTS
-    darkest = np.full(len(sample.voxels), np.inf, luminance.dtype)
-    np.minimum.at(darkest, sample.voxel_of, luminance)
-    above = (luminance - darkest[sample.voxel_of]) / max(float(luminance.mean()), 1e-6)
+    brightness = sample.colours.mean(axis=1)
+    darkest = np.full(len(sample.voxels), np.inf, brightness.dtype)
+    np.minimum.at(darkest, sample.voxel_of, brightness)
+    above = (brightness - darkest[sample.voxel_of]) / max(float(brightness.mean()), 1e-6)
     normals = sample.normals[sample.voxel_of]
     cosine = np.einsum("ij,ij->i", normals, sample.directions)
     mirrored = 2.0 * cosine[:, None] * normals - sample.directions
