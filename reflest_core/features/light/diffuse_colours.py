@@ -13,6 +13,8 @@ from reflest_core.jit import compiled
 
 QUANTILE = 0.15
 """Low, as a highlight only ever adds; not the least, which noise and occluders lower."""
+LOOKED_AT = 64
+"""Observations of one voxel at most, taken evenly over the order in which they were made."""
 
 
 def diffuse_colours(
@@ -33,7 +35,9 @@ def _quantiles(
     found = np.zeros((len(voxels), 3), np.uint8)
     for i in range(len(voxels)):
         first, last = offsets[voxels[i]], offsets[voxels[i] + 1]
-        rank = int(quantile * max(last - first - 1, 0))
+        taken = min(last - first, LOOKED_AT)
+        rows = first + np.arange(taken) * (last - first) // max(taken, 1)
+        rank = int(quantile * max(taken - 1, 0))
         for channel in range(3):
-            found[i, channel] = np.sort(colours[first:last, channel])[rank]
+            found[i, channel] = np.sort(colours[rows, channel])[rank]
     return found

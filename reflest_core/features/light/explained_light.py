@@ -18,6 +18,7 @@ from reflest_core.features.light.light_from_shading import InferredLight, infer_
 from reflest_core.features.light.light_patches import diffuse_response, patch_image
 from reflest_core.features.light.light_prior import EVEN, FREE
 from reflest_core.features.light.material_fit import MaterialFit, fit_material
+from reflest_core.features.light.reflected_detail import reflected_detail
 from reflest_core.features.light.reflected_patches import reflection
 from reflest_core.features.light.surface_sample import SurfaceSample, sampled
 from reflest_core.features.light.ward_lobe import lobe_radiance
@@ -39,7 +40,7 @@ class Explanation:
     ``sample``: the observations that the material was fitted to, ``lobes``: (O, K, 5) the light in
     their lobes. ``inferred``: the light by the diffuse colours, by the observations with their
     gloss, and by the diffuse colours with a free prior. ``gloss``: by what was seen alone.
-    ``material``: by the whole light.
+    ``material``: by the whole light. ``detail``: see :func:`reflected_detail`.
     """
 
     filled: LightPyramid
@@ -51,6 +52,7 @@ class Explanation:
     inferred: tuple[InferredLight, InferredLight, InferredLight]
     gloss: GlossFit
     material: MaterialFit
+    detail: NDArray[np.float32]
 
 
 def explain(surface: ObservedSurface, light: ObservedLight) -> Explanation:
@@ -72,8 +74,18 @@ def explain(surface: ObservedSurface, light: ObservedLight) -> Explanation:
     )
     final = completed(light, filled, whole)
     material, lobes = _material(sample, final)
+    detail = reflected_detail(surface, voxels)
     return Explanation(
-        filled, final, normals, colours, sample, lobes, (first, whole, free), gloss, material
+        filled,
+        final,
+        normals,
+        colours,
+        sample,
+        lobes,
+        (first, whole, free),
+        gloss,
+        material,
+        detail,
     )
 
 

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """How sharp the reflections are, whatever is reflected: roughness told without knowing the light.
 
-Observations that mirror one direction see one light. A polished surface tells neighbouring
-directions apart, a rough one does not: so the variance that is left within cells of mirrored
-directions falls as cells shrink, the earlier the rougher the surface.
+Observations that mirror one direction see one light. A polished surface shows many different
+lights, and neighbouring directions apart: how much varies is great, and falls far as the cells of
+mirrored directions shrink within which it is measured. A rough surface blurs: less varies, and
+what does, hardly less so within small cells, for the direction alone does not decide it.
 """
 
 from __future__ import annotations
@@ -12,39 +13,55 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.features.light.surface_sample import SurfaceSample
+from reflest_core.brdf import srgb
+from reflest_core.features.light.surface_sample import chosen_observations, towards_cameras
+from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.octahedral import octahedral_texel
 from reflest_core.jit import compiled, kernel_array
 
+OBSERVATIONS = 30
+"""Of one voxel at most."""
 CELLS = (6, 12, 24, 48, 96)
 """Along an edge of the octahedral map: from 34 to 2 degrees."""
 DETAIL_STATISTICS = len(CELLS) + 1
+STEEPEST = 0.35
+"""Cosine to the normal, below which lobes are stretched too far to count."""
+DARK = 0.05
+"""Of the mean brightness: added to what a voxel shows above its darkest view."""
 LEAST = 0.01
-"""Added before a logarithm."""
+"""Added before the logarithm of a share."""
 
 
-def reflected_detail(sample: SurfaceSample) -> NDArray[np.float32]:
+def reflected_detail(surface: ObservedSurface, voxels: NDArray[np.int64]) -> NDArray[np.float32]:
     """(6,) logarithms: the share of the variance within cells of each size, then how much varies.
 
-    What varies is brightness, the mean of the channels, above each voxel's darkest view, in units of
-    its mean.
+    What varies is the logarithm of the brightness (the channels' mean) of ``voxels``, indices into
+    ``surface``, above that in each one's darkest view. Every one of them is observed.
     """
-    if not len(sample.voxel_of):
-        return np.zeros(DETAIL_STATISTICS, np.float32)
-    brightness = sample.colours.mean(axis=1)
-    darkest = np.full(len(sample.voxels), np.inf, brightness.dtype)
-    np.minimum.at(darkest, sample.voxel_of, brightness)
-    above = (brightness - darkest[sample.voxel_of]) / max(float(brightness.mean()), 1e-6)
-    normals = sample.normals[sample.voxel_of]
-    cosine = np.einsum("ij,ij->i", normals, sample.directions)
-    mirrored = 2.0 * cosine[:, None] * normals - sample.directions
-    variance = max(float(above.var()), 1e-9)
-    within = [
-        _variance_within(kernel_array(mirrored, np.float32), kernel_array(above, np.float32), cells)
-        for cells in CELLS
-    ]
-    shares = np.minimum(np.array(within) / variance, 2.0)
+    rows, voxel_of, _ = chosen_observations(surface, voxels, OBSERVATIONS)
+    directions = towards_cameras(surface, rows, voxels[voxel_of])
+    normals = surface.normals[voxels][voxel_of]
+    cosine = np.einsum("ij,ij->i", normals, directions)
+    shown = _above_darkest(srgb.LINEAR[surface.colours[rows]].mean(axis=1), voxel_of)
+    mirrored = 2.0 * cosine[:, None] * normals - directions
+    counts = cosine > STEEPEST
+    mirrored = kernel_array(mirrored[counts], np.float32)
+    shown = kernel_array(shown[counts], np.float32)
+    variance = max(float(shown.var()), 1e-9) if len(shown) else 1e-9
+    within = np.array([_variance_within(mirrored, shown, cells) for cells in CELLS])
+    shares = np.clip(within / variance, 0.0, 2.0)
     return np.log(np.append(shares, np.sqrt(variance)) + LEAST).astype(np.float32)
+
+
+def _above_darkest(
+    brightness: NDArray[np.float32], voxel_of: NDArray[np.int64]
+) -> NDArray[np.float32]:
+    if not len(brightness):
+        return brightness
+    counts = np.bincount(voxel_of)
+    darkest = np.minimum.reduceat(brightness, np.cumsum(counts) - counts)
+    above = (brightness - darkest[voxel_of]) / max(float(brightness.mean()), 1e-6)
+    return np.asarray(np.log(above + DARK))
 
 
 @compiled

@@ -14,7 +14,7 @@ from reflest_core.features.light.gloss_fit import GlossFit
 from reflest_core.features.light.irradiance import DARKEST, mean_radiance
 from reflest_core.features.light.light_from_shading import InferredLight
 from reflest_core.features.light.material_fit import MaterialFit
-from reflest_core.features.light.reflected_detail import DETAIL_STATISTICS, reflected_detail
+from reflest_core.features.light.reflected_detail import DETAIL_STATISTICS
 from reflest_core.features.light.ward_lobe import ROUGHNESSES
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.octahedral import octahedral_solid_angles
@@ -61,7 +61,7 @@ def scene_statistics(surface: ObservedSurface, found: Explanation) -> SceneStati
             np.log(found.gloss.count[list(_PROBED)] + 1.0) - 4.0,
             _of_coverage(found),
             _of_scan(surface, found),
-            reflected_detail(found.sample),
+            found.detail,
         ]
     )
     return SceneStatistics(_bounded(of_channels), _bounded(of_all))

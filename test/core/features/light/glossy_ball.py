@@ -29,10 +29,10 @@ def seen_below(radiance, height):
     )
 
 
-def ball(radiance, rho_d, rho_s, roughness):
-    """What 12 cameras around and above see of 96 voxels; ``roughness``: an index."""
+def ball(radiance, rho_d, rho_s, roughness, voxels=VOXELS):
+    """What 12 cameras around and above see of ``voxels``; ``roughness``: an index."""
     rng = np.random.default_rng(5)
-    normals = rng.normal((0.0, 0.0, 0.5), 1.0, (VOXELS, 3))
+    normals = rng.normal((0.0, 0.0, 0.5), 1.0, (voxels, 3))
     cameras = rng.normal((0.0, 0.0, 1.0), 1.0, (OBSERVATIONS, 3))
     normals, cameras = (
         (a / np.linalg.norm(a, axis=1, keepdims=True)).astype(np.float32)

@@ -6,10 +6,14 @@ import dataclasses
 
 import numpy as np
 
+from reflest_core.brdf import srgb
 from reflest_core.features.light.reflected_detail import CELLS, LEAST, reflected_detail
 from reflest_core.fusion.light_map import SIZE
+from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.octahedral import octahedral_directions
 from test.core.features.light.glossy_ball import ball
+
+FAR = 1e4
 
 
 def chequered():
@@ -20,25 +24,47 @@ def chequered():
     return np.repeat(np.where(squares, 0.9, 0.05)[..., None], 3, axis=2).astype(np.float32)
 
 
-def test_rough_surfaces_vary_less_within_small_cells():
-    polished, satin, rough = (
-        reflected_detail(ball(chequered(), (0.1, 0.1, 0.1), 0.5, roughness))
-        for roughness in (0, 3, 7)
+def surface_of(roughness, rho_s=0.5):
+    """The ball, with a view for each observation, from far away."""
+    sample = ball(chequered(), (0.1, 0.1, 0.1), rho_s, roughness, voxels=1000)
+    counts = np.bincount(sample.voxel_of)
+    views = np.full((len(sample.voxel_of), 3), 128.0, np.float32)
+    return ObservedSurface(
+        np.zeros_like(sample.normals),
+        sample.normals,
+        np.concatenate([[0], np.cumsum(counts)]),
+        np.rint(255.0 * srgb.encode(sample.colours)).astype(np.uint8),
+        np.arange(len(views), dtype=np.uint16),
+        (FAR * sample.directions).astype(np.float32),
+        views,
+        views,
     )
-    assert polished[-1] > satin[-1] > rough[-1]
-    relative = [d[2] + d[-1] for d in (polished, satin, rough)]
-    assert relative[0] > relative[1] + 0.1 > relative[2]
 
 
-def test_brightness_does_not_matter():
-    sample = ball(chequered(), (0.1, 0.1, 0.1), 0.3, 2)
-    dimmer = dataclasses.replace(sample, colours=0.25 * sample.colours)
-    np.testing.assert_allclose(reflected_detail(sample), reflected_detail(dimmer), atol=1e-4)
+def detail(surface):
+    return reflected_detail(surface, np.arange(surface.voxel_count))
+
+
+def test_rough_surfaces_vary_less_and_as_much_within_small_cells():
+    polished, satin, rough = (detail(surface_of(roughness)) for roughness in (0, 3, 7))
+    assert polished[-1] > satin[-1] + 0.2 > rough[-1] + 0.3
+    fall_from_17_to_4_degrees = [d[1] - d[3] for d in (polished, satin, rough)]
+    assert (np.diff(fall_from_17_to_4_degrees) < -0.1).all()
+
+
+def test_brightness_hardly_matters():
+    surface = surface_of(2)
+    linear = srgb.LINEAR[surface.colours]
+    dimmer = np.rint(255.0 * srgb.encode(0.5 * linear)).astype(np.uint8)
+    half = dataclasses.replace(surface, colours=dimmer)
+    np.testing.assert_allclose(detail(surface), detail(half), atol=0.1)
 
 
 def test_noise_alone_is_as_strong_within_every_cell():
-    sample = ball(chequered(), (0.1, 0.1, 0.1), 0.0, 2)
-    noise = np.random.default_rng(1).normal(0.5, 0.1, len(sample.colours)).astype(np.float32)
-    noisy = dataclasses.replace(sample, colours=np.repeat(noise[:, None], 3, axis=1))
-    shares = np.exp(reflected_detail(noisy)[: len(CELLS)]) - LEAST
-    np.testing.assert_allclose(shares[:3], 1.0, atol=0.25)
+    surface = surface_of(2)
+    noise = np.random.default_rng(1).integers(60, 190, len(surface.colours))
+    noisy = dataclasses.replace(
+        surface, colours=np.repeat(noise[:, None], 3, axis=1).astype(np.uint8)
+    )
+    shares = np.exp(detail(noisy)[: len(CELLS)]) - LEAST
+    np.testing.assert_allclose(shares[:3], 1.0, atol=0.2)
