@@ -13,6 +13,8 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+from benchmarks.live.message_account import TimedEstimate
+from benchmarks.measuring.machine import stolen_seconds
 from reflest_core.errors import ReflestError
 from reflest_ros.msg import BrdfEstimate
 
@@ -24,13 +26,14 @@ class LiveRunFailed(ReflestError):
 
 
 class Listener:
-    """``latencies``: seconds from a keyframe image's arrival to its estimate's publication.
+    """``estimates``: all that came.
 
     ``diagnostics``: the node's latest values; ``diagnostics_count``: how often they came.
     """
 
     def __init__(self) -> None:
-        self.latencies: list[float] = []
+        self.estimates: list[TimedEstimate] = []
+        self._stolen = stolen_seconds()
         self.diagnostics: dict[str, str] = {}
         self.diagnostics_count = 0
         self._context = Context()
@@ -65,7 +68,9 @@ class Listener:
         self._context.try_shutdown()
 
     def _on_estimate(self, message: BrdfEstimate) -> None:
-        self.latencies.append(message.latency)
+        stamp = message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
+        before, self._stolen = self._stolen, stolen_seconds()
+        self.estimates.append(TimedEstimate(stamp, message.latency, self._stolen - before))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         self.diagnostics = {pair.key: pair.value for pair in message.status[0].values}

@@ -5,25 +5,43 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from benchmarks.measuring.timing import Timing
 
 ROLES = ("rgb", "depth", "camera_info", "pose")
 REFUSED = "refused "
+NAMED = 4
+"""Of the slowest estimates."""
 OVERLOAD = ("queue_full",)
 """Causes of a refusal that mean that the node was too slow."""
 
 
-def account(frames: int, diagnostics: Mapping[str, str], latencies: list[float]) -> dict[str, Any]:
+@dataclass(frozen=True)
+class TimedEstimate:
+    """``stamp``: of the keyframe, seconds. ``latency``: from its image's arrival, seconds.
+
+    ``stolen``: seconds that other machines of the same host took from this one since the estimate
+    before, all cores.
+    """
+
+    stamp: float
+    latency: float
+    stolen: float
+
+
+def account(
+    frames: int, diagnostics: Mapping[str, str], estimates: Sequence[TimedEstimate]
+) -> dict[str, Any]:
     """What the page says of a live run.
 
     ``frames``: played, each one message of every role; each is fused, skipped as redundant or lost.
     Messages are lost to overload on their way or at the queue; what is left of their frames is then
     refused, as its partners are missing. The node counts redundant frames among the fused.
-    ``latencies``: seconds.
     """
+    latencies = [estimate.latency for estimate in estimates]
     received = {role: _count(diagnostics, f"messages {role}") for role in ROLES}
     refused = {
         name.removeprefix(REFUSED): int(value)
@@ -48,11 +66,25 @@ def account(frames: int, diagnostics: Mapping[str, str], latencies: list[float])
         "keyframes_skipped": _count(diagnostics, "keyframes skipped"),
         "estimates": len(latencies),
         "latency": dataclasses.asdict(timing) if timing else None,
-        "slowest_ms": 1000.0 * max(latencies) if latencies else None,
+        "slowest": _slowest(estimates),
+        "stolen_s": sum(estimate.stolen for estimate in estimates),
         "voxels": _count(diagnostics, "voxels"),
         "observations": _count(diagnostics, "observations"),
         "views": _count(diagnostics, "views"),
     }
+
+
+def _slowest(estimates: Sequence[TimedEstimate]) -> list[dict[str, float]]:
+    """The slowest first: what they took, when, and what the host took from the machine then."""
+    slowest = sorted(estimates, key=lambda estimate: -estimate.latency)[:NAMED]
+    return [
+        {
+            "latency_ms": 1000.0 * estimate.latency,
+            "at_s": estimate.stamp - estimates[0].stamp,
+            "stolen_ms": 1000.0 * estimate.stolen,
+        }
+        for estimate in slowest
+    ]
 
 
 def _count(diagnostics: Mapping[str, str], name: str) -> int:

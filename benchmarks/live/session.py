@@ -56,7 +56,7 @@ def measure(bag: str, frames: int, seconds: float) -> dict[str, Any]:
     return {
         "seconds": seconds,
         "start_up_s": start_up,
-        **account(frames, listener.diagnostics, listener.latencies),
+        **account(frames, listener.diagnostics, listener.estimates),
         "peak_mb": peak,
         "cores_used": cores_used,
     }

@@ -51,12 +51,20 @@ def live_section(results: dict[str, Any]) -> str:
         ["keyframes skipped for a newer one", str(live["keyframes_skipped"])],
         ["estimates", str(live["estimates"])],
         *([f"estimate latency {p[:3]}", f"{number(latency.get(p))} ms"] for p in PERCENTILES),
-        ["estimate latency, the slowest", f"{number(live['slowest_ms'])} ms"],
+        *(["estimate latency, among the slowest", _slow(one)] for one in live["slowest"]),
+        ["taken by the host from this virtual machine", f"{live['stolen_s']:.1f} s"],
         ["peak resident memory of the node", f"{live['peak_mb']:,.0f} MB"],
         ["cores that the node kept busy", number(live["cores_used"])],
         ["node's start to subscribed", f"{live['start_up_s']:.1f} s"],
     ]
     return table((f"{live['seconds']:g} s, {live['frames_played']:,} frames", ""), rows)
+
+
+def _slow(one: dict[str, float]) -> str:
+    return (
+        f"{number(one['latency_ms'])} ms, {one['at_s']:.0f} s after the first "
+        f"(the host took {number(one['stolen_ms'])} ms since the one before)"
+    )
 
 
 def memory_section(results: dict[str, Any]) -> str:

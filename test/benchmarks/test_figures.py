@@ -12,7 +12,7 @@ import time
 import pytest
 
 from benchmarks.comparison import compare_with_open3d
-from benchmarks.live.message_account import account
+from benchmarks.live.message_account import TimedEstimate, account
 from benchmarks.measuring.resident_memory import forget_peak, peak_mb, resident_mb
 from benchmarks.measuring.stage_clock import Stage, StageClock, StageMoved
 from benchmarks.measuring.timing import Timing
@@ -89,13 +89,18 @@ def test_lost_messages_are_counted_by_cause():
         "messages pose": "99", "refused queue_full": "4", "refused pose_missing": "2",
         "frames matched": "97", "frames fused": "97", "frames redundant": "5", "voxels": "7",
     }  # fmt: skip
-    found = account(100, diagnostics, [0.01, 0.03])
+    estimates = [TimedEstimate(5.0, 0.01, 0.0), TimedEstimate(7.0, 0.03, 0.2)]
+    found = account(100, diagnostics, estimates)
     assert found["messages_lost"] == {"on the way (DDS)": 3, "queue_full": 4}
     assert found["refused"] == {"pose_missing": 2}
     assert (found["frames_fused"], found["frames_redundant"], found["frames_lost"]) == (92, 5, 3)
     assert found["messages_sent"] == 400
     assert found["messages_received"] == 397
     assert found["latency"]["p50_ms"] == pytest.approx(20.0)
+    assert found["slowest"][0] == pytest.approx(
+        {"latency_ms": 30.0, "at_s": 2.0, "stolen_ms": 200.0}
+    )
+    assert found["stolen_s"] == pytest.approx(0.2)
 
 
 def test_without_an_estimate_there_is_no_latency():
