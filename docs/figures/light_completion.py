@@ -33,7 +33,7 @@ def lat_long(octahedral: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def main() -> None:
-    """Draw the picture, and print what shading makes of the albedo."""
+    """Draw the picture, and print what the fit makes of the albedo."""
     parser = argparse.ArgumentParser(description="The light of one scene, as a picture.")
     parser.add_argument("data", type=Path, help="a SynBRDF folder")
     parser.add_argument("environments", type=Path, help="folder of the maps it was rendered under")
@@ -51,7 +51,7 @@ def main() -> None:
             light.radiance * light.coverage[..., None]
         ),
         "filled smoothly": lat_long(found.filled.levels[0])[..., :3],
-        "completed by the surface's shading": lat_long(found.light.levels[0])[..., :3],
+        "completed by what the surface sends back": lat_long(found.light.levels[0])[..., :3],
         "the light itself": truth * scene.exposure,
     }
     figure, axes = plt.subplots(2, 2, figsize=(9, 5), layout="constrained")
@@ -61,7 +61,7 @@ def main() -> None:
         axis.axis("off")
     figure.savefig(arguments.out, dpi=110)
     albedo = np.round(found.inferred[1].albedo, 3)
-    print(f"rho_d {np.round(scene.truth.rho_d, 3)}, by shading {albedo}, {scene.view_pattern}")
+    print(f"rho_d {np.round(scene.truth.rho_d, 3)}, by the fit {albedo}, {scene.view_pattern}")
 
 
 if __name__ == "__main__":

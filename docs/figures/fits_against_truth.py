@@ -1,0 +1,74 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The table in docs/lightnet.md: what the physics finds by itself, before any network.
+
+python docs/figures/fits_against_truth.py DATA
+"""
+
+import argparse
+import dataclasses
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.features.light.explained_light import Explanation, explain
+from reflest_core.features.light.ward_lobe import ROUGHNESSES
+from reflest_core.synbrdf.scene_file import load_scenes
+from reflest_core.synbrdf.scene_light import scene_light
+from reflest_core.training.augmentation import keep_views
+
+LEAST = 0.02
+"""Albedos below it count as it in logarithms."""
+GLOSSY = 0.2
+"""``rho_s`` above which roughness is asked for."""
+FITS = ("diffuse colours", "observations with their gloss", "diffuse colours, free prior")
+
+
+def row(name: str, found: NDArray[np.float64], truth: NDArray[np.float64]) -> str:
+    """Errors of ``rho_d`` (S, 3) as a line of the table."""
+    found = np.clip(found, 0.0, 1.0)
+    logs = np.log(np.maximum(found, LEAST) / np.maximum(truth, LEAST))
+    rms = np.sqrt(((found - truth) ** 2).mean())
+    correlation = np.corrcoef(found.ravel(), truth.ravel())[0, 1]
+    return f"| {name} | {rms:.3f} | {np.median(np.abs(logs)):.2f} | {correlation:.2f} |"
+
+
+def main() -> None:
+    """Explain some training scenes, half of them from 20 views, and compare."""
+    parser = argparse.ArgumentParser(description="What the physics finds by itself.")
+    parser.add_argument("data", type=Path, help="a SynBRDF folder")
+    parser.add_argument("--every", type=int, default=48, help="of the training scenes")
+    arguments = parser.parse_args()
+    truths, found = [], []
+    for number, scene in enumerate(
+        islice(load_scenes(arguments.data, "train"), 0, None, arguments.every)
+    ):
+        views = np.arange(len(scene.surface.view_centres))
+        if number % 2:
+            views = np.sort(np.random.default_rng(scene.index).permutation(views)[:20])
+        light = scene_light(scene, views)
+        surface = dataclasses.replace(keep_views(scene.surface, views), light=light)
+        found.append(explain(surface, light))
+        truths.append([*scene.truth.rho_d, scene.truth.rho_s, scene.truth.alpha])
+    truth = np.array(truths)
+    print(f"{len(truth)} scenes\n\n| rho_d by | RMS error | median error of its logarithm | r |")
+    print("|---|---|---|---|")
+    for number, name in enumerate(FITS):
+        print(row(name, np.array([one.inferred[number].albedo for one in found]), truth[:, :3]))
+    glossy = truth[:, 3] > GLOSSY
+    gloss, roughness = (np.array(values) for values in zip(*map(_gloss, found), strict=True))
+    errors = np.sqrt(((gloss - truth[:, 3]) ** 2).mean())
+    rough = np.sqrt(((roughness - truth[:, 4])[glossy] ** 2).mean())
+    print(f"\nrho_s, from seen light alone: RMS error {errors:.3f}")
+    print(f"alpha, the same, where rho_s > {GLOSSY}: RMS error {rough:.3f}")
+
+
+def _gloss(found: Explanation) -> tuple[float, float]:
+    weight = found.gloss.weight
+    return float(weight @ found.gloss.gloss), float(weight @ np.array(ROUGHNESSES))
+
+
+if __name__ == "__main__":
+    main()
