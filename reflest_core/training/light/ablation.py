@@ -8,6 +8,8 @@ import math
 
 import torch
 
+from reflest_core.features.light.scene_statistics import CHANNEL_STATISTICS
+from reflest_core.features.light.ward_lobe import ROUGHNESSES
 from reflest_core.training.light.shading_axes import AXES
 from reflest_core.training.sample import TrainingError
 
@@ -17,14 +19,19 @@ Look = dict[str, torch.Tensor]
 PARTS = {
     "light": "where light comes from: F, B and the observations alone are left",
     "fit": "fits of roughness and albedo to voxels and to the scene",
-    "completion": "what shading tells of light that was not seen, or seen clipped",
+    "completion": "what the surface tells of light that was not seen, or seen clipped",
     "shares": "how much of the light was seen, and how much of that was clipped",
     "uncertainty": "the likelihood: the loss is the plain squared error",
 }
 """The names of the parts, and what each is."""
 
-STATISTICS = ("channel_statistics", "statistics")
-"""Found together with the completed light; the rest is shaded anew without it."""
+_K = len(ROUGHNESSES)
+COMPLETED = {
+    "channel_statistics": (slice(0, 12), slice(CHANNEL_STATISTICS - _K - 1, CHANNEL_STATISTICS)),
+    "statistics": (slice(0, 2 * _K + 4),),
+}
+"""Numbers of :mod:`.scene_statistics` that come with the completed light: what the three fits of
+the light found, and the material fitted in it. The rest is shaded anew without it."""
 SHARES = ("lobe_seen", "lobe_clipped", "diffuse_seen", "diffuse_clipped")
 
 
@@ -42,8 +49,10 @@ def hide(look: Look, without: tuple[str, ...]) -> None:
     if "light" in without:
         _hide_directions(look)
     if "completion" in without:
-        for name in STATISTICS:
-            look[name] = torch.zeros_like(look[name])
+        for name, columns in COMPLETED.items():
+            look[name] = look[name].clone()
+            for some in columns:
+                look[name][..., some] = 0.0
     if "fit" in without or "light" in without:
         for name in (name for name, axes in AXES.items() if "F" in axes):
             look[name] = torch.zeros_like(look[name])

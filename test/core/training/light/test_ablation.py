@@ -2,15 +2,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a network trained without a part can still see, and what not."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 import torch
 
+from reflest_core.features.light.explained_light import explain
+from reflest_core.features.light.scene_statistics import scene_statistics
+from reflest_core.features.light.surface_shading import assumed_light
 from reflest_core.training.light.ablation import PARTS, check_parts
 from reflest_core.training.light.light_batches import whole_looks
 from reflest_core.training.sample import TrainingError
+from test.core.surfaces import sphere_surface
 from test.core.training.light.looks import made_looks
 
 FITS = ["voxel_fit", "scene_fit", "channel_statistics", "statistics"]
@@ -26,9 +31,7 @@ def without(looks, *parts):
     return whole_looks(looks, np.arange(3)), whole_looks(looks, np.arange(3), parts)
 
 
-@pytest.mark.parametrize(
-    ("part", "hidden"), [("fit", FITS), ("completion", FITS[2:]), ("shares", SHARES)]
-)
+@pytest.mark.parametrize(("part", "hidden"), [("fit", FITS), ("shares", SHARES)])
 def test_one_part_is_hidden_and_no_other(looks, part, hidden):
     whole, rest = without(looks, part)
     for name in whole:
@@ -65,3 +68,46 @@ def test_a_part_that_there_is_not_is_refused_by_name():
     check_parts(tuple(PARTS))
     with pytest.raises(TrainingError, match="no part 'sense' to do without; choose of light"):
         check_parts(("fit", "sense"))
+
+
+def test_without_completion_just_what_comes_with_it_is_hidden(looks):
+    """Those numbers that differ when only the fits of light and of the material in it do."""
+    surface = sphere_surface(voxels=300, views=40)
+    found = explain(surface, assumed_light(surface))
+    misfits = np.linspace(0.1, 0.2, 8, dtype=np.float32)
+    others = [
+        dataclasses.replace(
+            found,
+            inferred=tuple(map(_changed, found.inferred)),
+            material=dataclasses.replace(
+                _changed(found.material), misfit=misfit, weight=misfits / misfits.sum()
+            ),
+        )
+        for misfit in (misfits, misfits[::-1])  # that of the best roughness is always 0
+    ]
+    before = scene_statistics(surface, found)
+    changed = [scene_statistics(surface, other) for other in others]
+    whole, rest = without(looks, "completion")
+    for name, differs in (
+        (
+            "channel_statistics",
+            [(one.of_channels != before.of_channels).any(axis=0) for one in changed],
+        ),
+        ("statistics", [one.of_all != before.of_all for one in changed]),
+    ):
+        is_hidden = (whole[name] != rest[name]).flatten(0, -2).any(dim=0).numpy()
+        np.testing.assert_array_equal(is_hidden, np.any(differs, axis=0))
+        assert not rest[name][..., is_hidden].any()
+    for name in whole.keys() - {"channel_statistics", "statistics"}:
+        torch.testing.assert_close(rest[name], whole[name])
+
+
+def _changed(fit):
+    rng = np.random.default_rng(1)
+    arrays = {field.name: getattr(fit, field.name) for field in dataclasses.fields(fit)}
+    return type(fit)(
+        **{
+            name: (array * rng.uniform(0.6, 0.9, array.shape) + 0.01).astype(np.float32)
+            for name, array in arrays.items()
+        }
+    )
