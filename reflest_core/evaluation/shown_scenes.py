@@ -12,8 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.synbrdf.scene_file import SynbrdfScene
-from reflest_core.synbrdf.scene_light import scene_light
-from reflest_core.training.augmentation import keep_views
 from reflest_core.training.sample import (
     Degradation,
     Sample,
@@ -21,6 +19,7 @@ from reflest_core.training.sample import (
     sample_of,
     usable_scenes,
 )
+from reflest_core.training.scanned_scene import scanned
 
 Scene = TypeVar("Scene", SynbrdfScene, Sample)
 
@@ -42,9 +41,7 @@ def shown(scene: SynbrdfScene, views: NDArray[np.int64] | None = None) -> Sample
     """
     if views is None:
         views = np.arange(len(scene.surface.view_centres))
-    surface = keep_views(scene.surface, views)
-    lit = dataclasses.replace(surface, light=scene_light(scene, views))
-    return dataclasses.replace(sample_of(scene), surface=lit)
+    return dataclasses.replace(sample_of(scene), surface=scanned(scene, views))
 
 
 def random_subset(scenes: list[Scene], count: int, seed: int) -> list[Scene]:

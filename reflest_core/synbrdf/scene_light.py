@@ -18,15 +18,39 @@ def scene_light(scene: SynbrdfScene, views: NDArray[np.int64]) -> ObservedLight:
     """The environment as the background of ``views`` shows it, through 8-bit images.
 
     As :func:`.background_pixels` does live, background with depth is placed where the middle of the
-    surface sees it, and what has none is taken to be infinitely far.
+    surface sees it, and what has none is taken to be infinitely far. The camera's exposure is
+    taken to be locked.
     """
-    thumbnails = scene.thumbnails.of_views(views)
-    is_background = ~thumbnails.is_object
-    colours = expose(rgbe.decode(thumbnails.rgbe[is_background]), scene.exposure)
-    directions = background_directions(thumbnails, scene.surface.positions.mean(axis=0))
+    is_background, directions, colours = _background(scene, views)
     light = LightMap()
-    light.add(directions[is_background], colours)
+    light.add(directions[is_background], colours[is_background])
     return light.observed()
+
+
+def light_and_gains(
+    scene: SynbrdfScene, views: NDArray[np.int64]
+) -> tuple[ObservedLight, NDArray[np.float32]]:
+    """The same, view after view, with the exposure of each told from its background as live.
+
+    The gains are of all W views of the scene, (W,); 1 for those that are not among ``views``.
+    """
+    gains = np.ones(len(scene.surface.view_centres), np.float32)
+    light = LightMap()
+    for view, is_background, directions, colours in zip(
+        views, *_background(scene, views), strict=True
+    ):
+        gains[view] = light.add_frame(directions[is_background], colours[is_background])
+    return light.observed(), gains
+
+
+def _background(
+    scene: SynbrdfScene, views: NDArray[np.int64]
+) -> tuple[NDArray[np.bool_], NDArray[np.float32], NDArray[np.uint8]]:
+    """Of the thumbnails' pixels (W, 36, 48): which are background, direction and colour."""
+    thumbnails = scene.thumbnails.of_views(views)
+    colours = expose(rgbe.decode(thumbnails.rgbe), scene.exposure)
+    directions = background_directions(thumbnails, scene.surface.positions.mean(axis=0))
+    return ~thumbnails.is_object, directions, colours
 
 
 def background_directions(

@@ -19,10 +19,11 @@ MEASURED_VIEWS = (100, 30, 10)
 """A scene that is measured is looked at with so many of its views, as they are."""
 SOURCES = (
     "brdf", "features/light", "features/voxel_choice.py", "features/tangent_frame.py",
-    "fusion/light_map.py", "fusion/observed_surface.py", "fusion/octahedral.py",
+    "fusion/exposure_correction.py", "fusion/exposure_gain.py", "fusion/light_map.py",
+    "fusion/observed_surface.py", "fusion/octahedral.py",
     "fusion/thinning.py", "synbrdf/realism", "synbrdf/exposure.py", "synbrdf/scene_light.py",
     "synbrdf/thumbnails.py", "training/augmentation.py", "training/light/look_plan.py",
-    "training/light/shaded_scene.py", "training/light/shading_file.py",
+    "training/light/shaded_scene.py", "training/light/shading_file.py", "training/scanned_scene.py",
 )  # fmt: skip
 """The code that decides what a look shows, files and folders of ``reflest_core``."""
 

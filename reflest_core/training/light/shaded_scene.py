@@ -18,8 +18,7 @@ from reflest_core.synbrdf.exposure import expose
 from reflest_core.synbrdf.realism.degrade import degrade
 from reflest_core.synbrdf.realism.settings import Realism
 from reflest_core.synbrdf.scene_file import SynbrdfScene
-from reflest_core.synbrdf.scene_light import scene_light
-from reflest_core.training.augmentation import keep_views
+from reflest_core.training.scanned_scene import scanned
 
 FEWEST_VOXELS = 3
 WITHOUT_BACKGROUND = 0.04
@@ -61,8 +60,9 @@ def shaded(
         scene = degrade(scene, draw.realism, rng)
     count = len(scene.surface.view_centres)
     views = np.sort(rng.permutation(count)[: min(draw.views, count)])
-    light = scene_light(scene, views) if draw.sees_light else None
-    surface = dataclasses.replace(keep_views(scene.surface, views), light=light)
+    surface = scanned(scene, views, is_exposure_locked=draw.realism is None)
+    if not draw.sees_light:
+        surface = dataclasses.replace(surface, light=None)
     voxels = choose_voxels(surface, MODELS["lightnet"].voxels)
     if len(voxels) < FEWEST_VOXELS:
         return None

@@ -1,0 +1,37 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""A SynBRDF scene as a live scan from some of its views would have it."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.fusion.exposure_correction import at_one_exposure, means_at_one_exposure
+from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.synbrdf.scene_file import SynbrdfScene
+from reflest_core.synbrdf.scene_light import light_and_gains, scene_light
+from reflest_core.training.augmentation import keep_views
+
+
+def scanned(
+    scene: SynbrdfScene, views: NDArray[np.int64], is_exposure_locked: bool = False
+) -> ObservedSurface:
+    """What ``views`` show of the surface and of the light behind it; nothing of another view.
+
+    Changes of exposure are told from the background and made up for, as while scanning.
+    ``is_exposure_locked`` says that there are none, and spares the search, which finds none then.
+    """
+    surface = keep_views(scene.surface, views)
+    if is_exposure_locked:
+        return dataclasses.replace(surface, light=scene_light(scene, views))
+    light, gains = light_and_gains(scene, views)
+    return dataclasses.replace(
+        surface,
+        light=light,
+        colours=at_one_exposure(surface.colours, gains, surface.view_indices),
+        view_foreground=means_at_one_exposure(surface.view_foreground, gains),
+        view_background=means_at_one_exposure(surface.view_background, gains),
+    )
