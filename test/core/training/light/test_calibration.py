@@ -1,0 +1,39 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Standard deviations are made true on what was held out."""
+
+import numpy as np
+
+from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.training.light.calibration import Calibration
+from reflest_core.training.light.measured_looks import HALF_WIDTH, MeasuredLooks
+
+
+def test_ninety_percent_intervals_hold_ninety_percent():
+    rng = np.random.default_rng(3)
+    deviations = rng.uniform(0.05, 0.5, (1000, 5))
+    sharper = np.array([0.5, 1.0, 2.0, 4.0, 0.1])
+    errors = rng.standard_t(4, (1000, 5)) * deviations * sharper
+    looks = MeasuredLooks(
+        errors, deviations, np.zeros((1000, 5)), np.full(1000, 100),
+        ParameterStatistics(np.zeros(5), np.ones(5)),
+    )  # fmt: skip
+    found = Calibration.of(looks)
+    held = np.abs(errors) <= HALF_WIDTH * found.factors * deviations
+    np.testing.assert_allclose(held.mean(axis=0), 0.9, atol=0.002)
+    np.testing.assert_allclose(found.factors / sharper, found.factors[1], rtol=0.15)
+
+
+def test_correlated_errors_are_told():
+    rng = np.random.default_rng(4)
+    shared = rng.normal(size=(4000, 1))
+    errors = np.concatenate(
+        [0.8 * shared + 0.6 * rng.normal(size=(4000, 3)), rng.normal(size=(4000, 2))], axis=1
+    )
+    looks = MeasuredLooks(
+        errors, np.ones((4000, 5)), np.zeros((4000, 5)), np.full(4000, 100),
+        ParameterStatistics(np.zeros(5), np.ones(5)),
+    )  # fmt: skip
+    found = Calibration.of(looks).correlation
+    np.testing.assert_allclose(found[:3, :3] - np.eye(3) * 0.36, 0.64, atol=0.05)
+    np.testing.assert_allclose(found[3, :3], 0.0, atol=0.05)
