@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
 from reflest_core.capture.camera import CameraIntrinsics
@@ -28,9 +30,11 @@ def warm_up() -> None:
         intrinsics=camera,
     )
     region = RegionSettings("box", (0.0, 0.0, 1.0), (1.0, 1.0, 1.0))
-    scan = Scan(FusionSettings(voxel_size=0.02, memory_budget_mb=BUDGET_MB), region)
+    settings = FusionSettings(voxel_size=0.02, memory_budget_mb=BUDGET_MB, frames_per_view=1)
+    scan = Scan(settings, region)
     scan.region.contains(np.zeros((1, 3)))
-    scan.fuse(wall)
+    for stamp_ns in (1, 2, 3):  # the second adds to the first's view, the third may be redundant
+        scan.fuse(dataclasses.replace(wall, stamp_ns=stamp_ns))
     scan.snapshot()
     at_one_exposure(np.zeros((1, 3), np.uint8), np.full(1, 2.0, np.float32), np.zeros(1, np.uint16))
     scan.store.drop_views(np.array([0]))
