@@ -116,7 +116,7 @@ RECIPES = {
         augmentation=Augmentation(spread=False),
     ),
     "lightnet": Recipe(
-        "lightnet", "likelihood", "adamw", 2e-3, 0.0, 3000, 48, voxels=24, validation_voxels=48,
+        "lightnet", "likelihood", "adamw", 2e-3, 0.0, 6000, 48, voxels=24, validation_voxels=48,
         warm_up=500, hold=0.0, average=0.998, observations=6, largest_gradient=1.0,
     ),
 }  # fmt: skip

@@ -72,11 +72,13 @@ def test_a_lying_world_gives_the_shading_of_the_z_up_world():
             (standing, standing.light), (raised, raised.light), (raised, lying.light)
         )
     )  # fmt: skip
-    # Turning looks each texel up among the old ones: a little is lost where what was seen ends.
-    cost = np.abs(forgotten - expected).max()
-    assert cost > 0.05
-    assert np.abs(found - expected).max() < 0.05 * cost
-    assert np.median(np.abs(found - expected)) < 0.001
+    # Turning looks each texel up among the old ones: a little is lost where what was seen ends, and
+    # a few voxels look into the light that is completed there.
+    cost, error = np.abs(forgotten - expected), np.abs(found - expected)
+    assert cost.max() > 0.05
+    assert error.max() < 0.15 * cost.max()
+    assert error.mean() < 0.05 * cost.mean()
+    assert np.median(error) < 0.003
 
 
 @pytest.mark.parametrize("up", [(0.0, -1.0, 0.0), (0.3, -0.5, -0.8)])
