@@ -22,7 +22,8 @@ def scanned(
     """What ``views`` show of the surface and of the light behind it; nothing of another view.
 
     Changes of exposure are told from the background and made up for, as while scanning.
-    ``is_exposure_locked`` says that there are none, and spares the search, which hardly ever finds one then.
+    ``is_exposure_locked`` says that there are none, and spares the search, which hardly ever finds
+    one then.
     """
     surface = keep_views(scene.surface, views)
     if is_exposure_locked:
