@@ -82,10 +82,7 @@ def _infer_channel(
     mirrored[:, PATCHES + 1 :] = reflection.excess[known]
     unknowns = Unknowns.of(diffuse + mirrored, prior)
     diffuse, mirrored = diffuse[:, unknowns.matters], mirrored[:, unknowns.matters]
-    found, error = unknowns.start, np.zeros(0)
-    factors = np.concatenate([[1.0], prior.mean])[unknowns.matters]
-    found[1:] *= albedo / found[0]
-    found[0] = albedo
+    found, factors = unknowns.expected(albedo), unknowns.expected(1.0)
     for turn in range(TURNS):
         share = min(rho_s / max(float(found[0]), DARKEST_ALBEDO), MOST_GLOSS)
         columns = diffuse + np.float32(share) * mirrored

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from reflest_core.features.light.light_patches import PATCHES, DiffuseResponse
 from reflest_core.features.light.light_prior import (
+    ALBEDO,
     EVEN,
     LightPrior,
     Unknowns,
@@ -74,7 +75,7 @@ def _infer_channel(
     used = columns[:, unknowns.matters].astype(np.float64)
     weighted = used / noise[:, None]
     data_matrix, data_vector = weighted.T @ weighted, weighted.T @ (target / noise)
-    found = unknowns.start
+    found = unknowns.expected(ALBEDO[0])
     for _ in range(ROUNDS):
         found, matrix = unknowns.most_likely(data_matrix, data_vector, found)
     errors = (used @ found - target) / noise

@@ -70,10 +70,9 @@ class Unknowns:
         matters[0] = True
         return Unknowns(matters, prior)
 
-    @property
-    def start(self) -> Array:
-        """What the prior expects at its mean albedo, of the unknowns that matter."""
-        return ALBEDO[0] * np.concatenate([[1.0], self.prior.mean])[self.matters]
+    def expected(self, albedo: float) -> Array:
+        """What the prior expects at this ``rho_d``, of the unknowns that matter."""
+        return albedo * np.concatenate([[1.0], self.prior.mean])[self.matters]
 
     def factors(self, found: Array) -> Array:
         """(2 P,): what each patch holds; the prior's mean where nothing is said of it."""
