@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from reflest_core.features.light.completion import LightPyramid, complete, levels_below
 from reflest_core.features.light.diffuse_colours import diffuse_colours
 from reflest_core.features.light.gloss_fit import GlossFit, fit_gloss
-from reflest_core.features.light.irradiance import DARKEST, mean_radiance
+from reflest_core.features.light.irradiance import DARKEST, cosine_weights, weighted_radiance
 from reflest_core.features.light.light_from_reflections import infer_light_by_gloss
 from reflest_core.features.light.light_from_shading import InferredLight, infer_light
 from reflest_core.features.light.light_patches import diffuse_response, patch_image
@@ -36,7 +36,8 @@ class Explanation:
     """What was found, and what it was found from.
 
     ``filled``, ``light``: the light after pull and push alone, and as the surface completes it.
-    ``surface_normals``, ``colours``: (D, 3) of voxels, linear, without highlights.
+    ``weights``: :func:`.cosine_weights` of D voxels, ``colours``: (D, 3) of theirs, linear, without
+    highlights.
     ``sample``: the observations that the material was fitted to, ``lobes``: (O, K, 5) the light in
     their lobes. ``inferred``: the light by the diffuse colours, by the observations with their
     gloss, and by the diffuse colours with a free prior. ``gloss``: by what was seen alone.
@@ -45,7 +46,7 @@ class Explanation:
 
     filled: LightPyramid
     light: LightPyramid
-    surface_normals: NDArray[np.float32]
+    weights: NDArray[np.float32]
     colours: NDArray[np.float32]
     sample: SurfaceSample
     lobes: NDArray[np.float32]
@@ -60,8 +61,8 @@ def explain(surface: ObservedSurface, light: ObservedLight) -> Explanation:
     filled = complete(light)
     voxels = thinned(surface.observation_counts, SHADED)
     colours = diffuse_colours(surface, voxels)
-    normals = surface.normals[voxels]
-    response = diffuse_response(light, filled, normals)
+    weights = cosine_weights(surface.normals[voxels])
+    response = diffuse_response(light, filled, weights)
     sample = sampled(surface, choose_voxels(surface, SAMPLED))
     first = infer_light(response, colours, EVEN)
     free = infer_light(response, colours, FREE)
@@ -69,24 +70,17 @@ def explain(surface: ObservedSurface, light: ObservedLight) -> Explanation:
     lobes = lobe_radiance(filled, normals_of_sample, sample.directions)
     gloss = fit_gloss(sample.colours, sample.clipped, lobes, sample.voxel_of)
     mirrored = reflection(filled, gloss.roughness, normals_of_sample, sample.directions)
+    of_sample = cosine_weights(sample.normals)
     whole = infer_light_by_gloss(
-        sample, diffuse_response(light, filled, sample.normals), mirrored, gloss, first.albedo
+        sample, diffuse_response(light, filled, of_sample), mirrored, gloss, first.albedo
     )
     final = completed(light, filled, whole)
-    material, lobes = _material(sample, final)
+    material, lobes = _material(sample, of_sample, final)
     detail = reflected_detail(surface, voxels)
     return Explanation(
-        filled,
-        final,
-        normals,
-        colours,
-        sample,
-        lobes,
-        (first, whole, free),
-        gloss,
-        material,
+        filled, final, weights, colours, sample, lobes, (first, whole, free), gloss, material,
         detail,
-    )
+    )  # fmt: skip
 
 
 def completed(light: ObservedLight, filled: LightPyramid, found: InferredLight) -> LightPyramid:
@@ -100,9 +94,9 @@ def completed(light: ObservedLight, filled: LightPyramid, found: InferredLight) 
 
 
 def _material(
-    sample: SurfaceSample, light: LightPyramid
+    sample: SurfaceSample, weights: NDArray[np.float32], light: LightPyramid
 ) -> tuple[MaterialFit, NDArray[np.float32]]:
-    diffuse = np.maximum(mean_radiance(light, sample.normals)[:, :3], DARKEST)
+    diffuse = np.maximum(weighted_radiance(light, weights)[:, :3], DARKEST)
     lobes = lobe_radiance(light, sample.normals[sample.voxel_of], sample.directions)
     of_observation = diffuse[sample.voxel_of]
     brightness = np.minimum(of_observation / np.maximum(diffuse.mean(axis=0), DARKEST), 1.0)

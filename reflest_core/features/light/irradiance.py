@@ -25,11 +25,20 @@ def mean_radiance(light: LightPyramid, normals: NDArray[np.float32]) -> NDArray[
     then the seen share and the clipped share of the light that falls on it. No visibility: the
     surface itself hides nothing.
     """
+    return weighted_radiance(light, cosine_weights(normals))
+
+
+def weighted_radiance(light: LightPyramid, weights: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The same for normals whose :func:`cosine_weights` are known, (V, SIZE * SIZE)."""
     level = next(level for level in light.levels if len(level) == SIZE)
+    return np.asarray(weights @ level.reshape(-1, 5), np.float32)
+
+
+def cosine_weights(normals: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(V, SIZE * SIZE): share of each texel's radiance in ``E(n) / pi``; each row sums to 1."""
     directions, angles = _sphere()
     weights = np.maximum(normals @ directions.T, 0.0) * angles
-    weights /= weights.sum(axis=1, keepdims=True)
-    return np.asarray(weights @ level.reshape(-1, 5), np.float32)
+    return np.asarray(weights / weights.sum(axis=1, keepdims=True), np.float32)
 
 
 @cache

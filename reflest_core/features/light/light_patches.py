@@ -12,14 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.features.light.completion import LightPyramid, halved
+from reflest_core.features.light.irradiance import SIZE
 from reflest_core.fusion.light_map import ObservedLight
-from reflest_core.fusion.octahedral import octahedral_directions, octahedral_solid_angles
 
 EDGE = 6
 """Patches along an edge of the octahedral map: 34 degrees each, in the mean."""
 PATCHES = EDGE * EDGE
-SIZE = 24
-"""Edge of the level of the light that is summed."""
 
 
 @dataclass(frozen=True)
@@ -44,31 +42,24 @@ class DiffuseResponse:
 
 
 def diffuse_response(
-    light: ObservedLight, filled: LightPyramid, normals: NDArray[np.float32]
+    light: ObservedLight, filled: LightPyramid, weights: NDArray[np.float32]
 ) -> DiffuseResponse:
-    """How a surface with unit ``normals`` (V, 3) would answer to each part of the light.
+    """How a surface would answer to each part of the light.
 
-    ``filled``: the same light after pull and push. No visibility: the surface hides nothing.
+    ``weights``: :func:`.cosine_weights` (V, SIZE * SIZE) of its normals. ``filled``: the same light
+    after pull and push. No visibility: the surface hides nothing.
     """
     seen = light.radiance * light.coverage[..., None]
     while len(seen) > SIZE:
         seen = halved(seen)
     level = next(level for level in filled.levels if len(level) == SIZE)
     added = np.maximum(level[..., :3] - seen, 0.0)
-    weights = cosine_weights(normals)
     by_patch = weights[:, texels_of_patches()]
     return DiffuseResponse(
         seen=np.asarray(weights @ seen.reshape(-1, 3), np.float32),
         unseen=_summed(by_patch, added.reshape(-1, 3)),
         excess=_summed(by_patch, level[..., 4:].reshape(-1, 1))[..., 0],
     )
-
-
-def cosine_weights(normals: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(V, SIZE * SIZE): share of each texel's radiance in ``E(n) / pi``; each row sums to 1."""
-    directions, angles = _sphere()
-    weights = np.maximum(normals @ directions.T, 0.0) * angles
-    return np.asarray(weights / weights.sum(axis=1, keepdims=True), np.float32)
 
 
 def patch_image(values: NDArray[np.float32], size: int) -> NDArray[np.float32]:
@@ -90,8 +81,3 @@ def _summed(by_patch: NDArray[np.float32], texels: NDArray[np.float32]) -> NDArr
     """(V, P, T) weights and (SIZE * SIZE, C) values to (V, P, C)."""
     values = texels[texels_of_patches()]
     return np.asarray((by_patch.transpose(1, 0, 2) @ values).transpose(1, 0, 2), np.float32)
-
-
-@cache
-def _sphere() -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    return octahedral_directions(SIZE).reshape(-1, 3), octahedral_solid_angles(SIZE).reshape(-1)

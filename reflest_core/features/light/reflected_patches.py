@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from reflest_core.features.light.completion import LightPyramid
 from reflest_core.features.light.light_patches import EDGE, PATCHES
-from reflest_core.features.light.ward_lobe import HALF_VECTORS, LEVELS, incoming
+from reflest_core.features.light.ward_lobe import HALF_VECTORS, LEVELS, incoming, vector
 from reflest_core.features.tangent_frame import tangent_frame
 from reflest_core.fusion.octahedral import octahedral_texel
 from reflest_core.jit import compiled, kernel_array
@@ -63,10 +63,10 @@ def _gather(
     unseen = np.zeros((len(normals), patches, 3), np.float32)
     excess = np.zeros((len(normals), patches), np.float32)
     for observation in range(len(normals)):
-        n, o = normals[observation], directions[observation]
-        frame = tangent_frame(n)
+        frame = tangent_frame(normals[observation])
+        n, o = vector(normals, observation), vector(directions, observation)
         for sample in range(samples):
-            weight, ix, iy, iz = incoming(n, frame, o, half_vectors[sample])
+            weight, ix, iy, iz = incoming(frame, n, o, vector(half_vectors, sample))
             if weight == 0.0:
                 continue
             row, column = octahedral_texel(ix, iy, iz, size)

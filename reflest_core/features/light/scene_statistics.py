@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from reflest_core.features.light.explained_light import Explanation
 from reflest_core.features.light.gloss_fit import GlossFit
-from reflest_core.features.light.irradiance import DARKEST, mean_radiance
+from reflest_core.features.light.irradiance import DARKEST, weighted_radiance
 from reflest_core.features.light.light_from_shading import InferredLight
 from reflest_core.features.light.material_fit import MaterialFit
 from reflest_core.features.light.reflected_detail import DETAIL_STATISTICS
@@ -80,9 +80,8 @@ def _of_light(light: InferredLight) -> Array:
 
 def _of_shading(found: Explanation) -> Array:
     """(3, 14): ratios of colour to light over the surface, the light's strength and contrast."""
-    normals = found.surface_normals
     seen, whole = (
-        np.maximum(mean_radiance(light, normals)[:, :3], DARKEST)
+        np.maximum(weighted_radiance(light, found.weights)[:, :3], DARKEST)
         for light in (found.filled, found.light)
     )
     by_fill, by_whole = (_log(found.colours / light) for light in (seen, whole))
@@ -149,7 +148,7 @@ def _of_coverage(found: Explanation) -> Array:
     """(12,): seen and clipped shares of the sphere, of diffuse light and of some lobes' light."""
     fine = found.filled.levels[0]
     angles = octahedral_solid_angles(len(fine))[..., None] / (4.0 * np.pi)
-    diffuse = mean_radiance(found.light, found.surface_normals)[:, 3:]
+    diffuse = weighted_radiance(found.light, found.weights)[:, 3:]
     lobes = found.lobes[:, _PROBED, 3:].mean(axis=0)
     return np.concatenate(
         [(fine[..., 3:] * angles).sum(axis=(0, 1)), diffuse.mean(axis=0), diffuse.std(axis=0),

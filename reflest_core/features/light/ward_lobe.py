@@ -54,28 +54,35 @@ HALF_VECTORS = half_vectors()
 
 @compiled
 def incoming(
-    n: NDArray[np.float32],
     frame: tuple[float, ...],
-    o: NDArray[np.float32],
-    half_vector: NDArray[np.float32],
+    normal: tuple[float, float, float],
+    towards_camera: tuple[float, float, float],
+    half_vector: tuple[float, float, float],
 ) -> tuple[float, float, float, float]:
     """A sample's weight, 0 below the surface, and the direction that its light comes from.
 
-    ``n``, ``o``: normal and direction of the camera. ``half_vector``: in the tangent ``frame``.
+    ``half_vector``: in the tangent ``frame``. (Scalars: slices of arrays would be counted.)
     """
     tx, ty, tz, bx, by, bz = frame
-    x, y, z = half_vector[0], half_vector[1], half_vector[2]
-    hx = tx * x + bx * y + n[0] * z
-    hy = ty * x + by * y + n[1] * z
-    hz = tz * x + bz * y + n[2] * z
-    ox, oy, oz = float(o[0]), float(o[1]), float(o[2])
+    nx, ny, nz = normal
+    ox, oy, oz = towards_camera
+    x, y, z = half_vector
+    hx = tx * x + bx * y + nx * z
+    hy = ty * x + by * y + ny * z
+    hz = tz * x + bz * y + nz * z
     along = ox * hx + oy * hy + oz * hz
-    cosine_o = max(ox * n[0] + oy * n[1] + oz * n[2], 1e-3)
+    cosine_o = max(ox * nx + oy * ny + oz * nz, 1e-3)
     cosine_i = 2.0 * along * z - cosine_o
     if along <= 0.0 or cosine_i <= 0.0:
         return 0.0, 0.0, 0.0, 0.0
     weight = along * z * z * z * math.sqrt(cosine_i / cosine_o)
     return weight, 2.0 * along * hx - ox, 2.0 * along * hy - oy, 2.0 * along * hz - oz
+
+
+@compiled
+def vector(vectors: NDArray[np.float32], row: int) -> tuple[float, float, float]:
+    """A row of ``vectors`` (N, 3)."""
+    return float(vectors[row, 0]), float(vectors[row, 1]), float(vectors[row, 2])
 
 
 @compiled
@@ -91,15 +98,17 @@ def _gather(
     roughnesses, samples = half_vectors.shape[:2]
     gathered = np.empty((len(normals), roughnesses, 5), np.float32)
     for observation in range(len(normals)):
-        n, o = normals[observation], directions[observation]
-        frame = tangent_frame(n)
+        frame = tangent_frame(normals[observation])
+        n, o = vector(normals, observation), vector(directions, observation)
         for roughness in range(roughnesses):
             level = levels[roughness]
             light = fine if level == 0 else (middle if level == 1 else coarse)
             size = len(light)
+            of_roughness = half_vectors[roughness]
             total, red, green, blue, seen, clipped = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
             for sample in range(samples):
-                weight, ix, iy, iz = incoming(n, frame, o, half_vectors[roughness, sample])
+                half_vector = vector(of_roughness, sample)
+                weight, ix, iy, iz = incoming(frame, n, o, half_vector)
                 if weight == 0.0:
                     continue
                 row, column = octahedral_texel(ix, iy, iz, size)
