@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The light where nobody saw it: as bright as the object's shading asks for, smooth elsewise."""
+"""The light where nobody saw it: as bright as the object's colours ask for, smooth elsewise."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.octahedral import octahedral_directions, octahedral_solid_angles
 
 LEAST_VOXELS = 50
-"""The shading of fewer tells nothing of the light."""
+"""The colours of fewer tell nothing of the light."""
 COARSE, FINE = 24, 48
 """Edges of the maps that brightness is averaged from, and given at."""
 SHARPNESS = 8
@@ -27,10 +27,10 @@ SHARPNESS = 8
 def completed_light(surface: ObservedSurface) -> NDArray[np.float32]:
     """(N, N, 5) octahedral, world frame: linear radiance (3), share seen, share seen clipped.
 
-    What was seen stays, but that clipped parts take what shading asks for beyond white. Elsewhere
-    colours come from the light around (:func:`.complete`), brightness from the shading
-    (:func:`.explain`): its patches, 34 degrees each, are right in how much light they send, but
-    not in their edges and hues. ``surface.light`` must be there.
+    What was seen stays, but that clipped parts take what the object's colours ask for beyond
+    white. Elsewhere colours come from the light around (:func:`.complete`), brightness from the
+    object's shading and reflections (:func:`.explain`): the patches, 34 degrees each, are right in
+    how much light they send, but not in their edges and hues. ``surface.light`` must be there.
     """
     light = surface.light
     assert light is not None

@@ -32,6 +32,8 @@ def light_and_gains(
 ) -> tuple[ObservedLight, NDArray[np.float32]]:
     """The same, view after view, with the exposure of each told from its background as live.
 
+    The object's own voxels, which live are asked where parallax blurs the background, are not.
+
     The gains are of all W views of the scene, (W,); 1 for those that are not among ``views``.
     """
     gains = np.ones(len(scene.surface.view_centres), np.float32)

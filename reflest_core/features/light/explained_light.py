@@ -84,7 +84,7 @@ def explain(surface: ObservedSurface, light: ObservedLight) -> Explanation:
 
 
 def completed(light: ObservedLight, filled: LightPyramid, found: InferredLight) -> LightPyramid:
-    """The light with what the shading tells of its unseen and clipped parts."""
+    """The light with what the surface tells of its unseen and clipped parts."""
     fine = filled.levels[0]
     size = len(fine)
     bright = light.radiance + patch_image(found.excess, size) * fine[..., 4:]

@@ -19,14 +19,13 @@ from numpy.typing import NDArray
 
 from reflest_core.features.light.gloss_fit import GlossFit
 from reflest_core.features.light.light_from_shading import ChannelLight, InferredLight
-from reflest_core.features.light.light_patches import PATCHES, DiffuseResponse
+from reflest_core.features.light.light_patches import PatchResponse
 from reflest_core.features.light.light_prior import (
     BRIGHT,
     LightPrior,
     Unknowns,
     log_albedo_deviation,
 )
-from reflest_core.features.light.reflected_patches import Reflection
 from reflest_core.features.light.surface_sample import SurfaceSample
 
 TURNS = 4
@@ -34,7 +33,7 @@ RELATIVE, LEAST = 0.1, 0.003
 """Standard deviation of a radiance: share of itself, and in units of the sensor's white."""
 HIDDEN = 0.5
 """The same of what unknown light adds to a reflection: a patch is not even, and lobes are small."""
-DARKEST_ALBEDO, MOST_GLOSS = 0.03, 10.0
+LEAST_ALBEDO, MOST_GLOSS = 0.03, 10.0
 """Least ``rho_d`` and greatest ``rho_s / rho_d`` with which reflections are weighed."""
 FEWEST = 10
 """Unclipped observations, with fewer of which a channel says nothing."""
@@ -42,8 +41,8 @@ FEWEST = 10
 
 def infer_light_by_gloss(
     sample: SurfaceSample,
-    response: DiffuseResponse,
-    reflection: Reflection,
+    response: PatchResponse,
+    reflection: PatchResponse,
     gloss: GlossFit,
     albedo: NDArray[np.float32],
 ) -> InferredLight:
@@ -63,8 +62,8 @@ def infer_light_by_gloss(
 
 def _infer_channel(
     sample: SurfaceSample,
-    response: DiffuseResponse,
-    reflection: Reflection,
+    response: PatchResponse,
+    reflection: PatchResponse,
     rho_s: float,
     albedo: float,
     channel: int,
@@ -77,14 +76,13 @@ def _infer_channel(
     target = colours - rho_s * reflection.seen[known, channel]
     noise = RELATIVE * colours + LEAST
     diffuse = response.columns(sample.voxel_of[known], channel)
-    mirrored = np.zeros_like(diffuse)
-    mirrored[:, 1 : PATCHES + 1] = reflection.unseen[known, :, channel]
-    mirrored[:, PATCHES + 1 :] = reflection.excess[known]
+    mirrored = reflection.columns(known, channel)
+    mirrored[:, 0] = 0.0  # what reflects seen light is known, and taken from the target
     unknowns = Unknowns.of(diffuse + mirrored, prior)
     diffuse, mirrored = diffuse[:, unknowns.matters], mirrored[:, unknowns.matters]
     found, factors = unknowns.expected(albedo), unknowns.expected(1.0)
     for turn in range(TURNS):
-        share = min(rho_s / max(float(found[0]), DARKEST_ALBEDO), MOST_GLOSS)
+        share = min(rho_s / max(float(found[0]), LEAST_ALBEDO), MOST_GLOSS)
         columns = diffuse + np.float32(share) * mirrored
         unsure = HIDDEN * rho_s * (mirrored @ factors.astype(np.float32))
         variance = noise**2 + unsure**2

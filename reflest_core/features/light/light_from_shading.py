@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.features.light.light_patches import PATCHES, DiffuseResponse
+from reflest_core.features.light.light_patches import PATCHES, PatchResponse
 from reflest_core.features.light.light_prior import (
     ALBEDO,
     EVEN,
@@ -56,7 +56,7 @@ class InferredLight:
 
 
 def infer_light(
-    response: DiffuseResponse, colours: NDArray[np.float32], prior: LightPrior = EVEN
+    response: PatchResponse, colours: NDArray[np.float32], prior: LightPrior = EVEN
 ) -> InferredLight:
     """Explain diffuse ``colours`` (V, 3), linear; those at 1 are clipped and say nothing."""
     return InferredLight.of(
@@ -65,7 +65,7 @@ def infer_light(
 
 
 def _infer_channel(
-    response: DiffuseResponse, colours: NDArray[np.float32], channel: int, prior: LightPrior
+    response: PatchResponse, colours: NDArray[np.float32], channel: int, prior: LightPrior
 ) -> ChannelLight:
     known = colours < 1.0
     target = colours[known].astype(np.float64)

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The unknown light in patches: what each would add to the diffuse light on a surface."""
+"""The unknown light in patches: what each would add to what a surface sends back."""
 
 from __future__ import annotations
 
@@ -21,12 +21,13 @@ PATCHES = EDGE * EDGE
 
 
 @dataclass(frozen=True)
-class DiffuseResponse:
-    """``E(n) / pi`` of V surface normals, in parts that add up; P patches.
+class PatchResponse:
+    """Radiance of R answers to the light, in parts that add up; P patches.
 
-    ``seen``: (V, 3), of the light as it was seen, clipped pixels as white. ``unseen``: (V, P, 3),
-    of a smooth fill of each patch's unseen directions. ``excess``: (V, P), of radiance 1 above
-    white where each patch was seen clipped. All float32.
+    Answers are ``E(n) / pi`` of normals, or observations of a surface that only shines with
+    ``rho_s = 1``. ``seen``: (R, 3), to the light as it was seen, clipped pixels as white.
+    ``unseen``: (R, P, 3), to a smooth fill of each patch's unseen directions. ``excess``: (R, P),
+    to radiance 1 above white where each patch was seen clipped. All float32.
     """
 
     seen: NDArray[np.float32]
@@ -34,7 +35,7 @@ class DiffuseResponse:
     excess: NDArray[np.float32]
 
     def columns(self, rows: NDArray[Any], channel: int) -> NDArray[np.float32]:
-        """(R, 1 + 2 P): answers of the chosen normals to what was seen and to every patch."""
+        """The chosen answers, (S, 1 + 2 P), to what was seen and to every patch."""
         return np.concatenate(
             [self.seen[rows, channel, None], self.unseen[rows, :, channel], self.excess[rows]],
             axis=1,
@@ -43,8 +44,8 @@ class DiffuseResponse:
 
 def diffuse_response(
     light: ObservedLight, filled: LightPyramid, weights: NDArray[np.float32]
-) -> DiffuseResponse:
-    """How a surface would answer to each part of the light.
+) -> PatchResponse:
+    """How a matte white surface would answer to each part of the light.
 
     ``weights``: :func:`.cosine_weights` (V, SIZE * SIZE) of its normals. ``filled``: the same light
     after pull and push. No visibility: the surface hides nothing.
@@ -55,7 +56,7 @@ def diffuse_response(
     level = next(level for level in filled.levels if len(level) == SIZE)
     added = np.maximum(level[..., :3] - seen, 0.0)
     by_patch = weights[:, texels_of_patches()]
-    return DiffuseResponse(
+    return PatchResponse(
         seen=np.asarray(weights @ seen.reshape(-1, 3), np.float32),
         unseen=_summed(by_patch, added.reshape(-1, 3)),
         excess=_summed(by_patch, level[..., 4:].reshape(-1, 1))[..., 0],

@@ -4,31 +4,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.features.light.completion import LightPyramid
-from reflest_core.features.light.light_patches import EDGE, PATCHES
+from reflest_core.features.light.light_patches import EDGE, PatchResponse
 from reflest_core.features.light.ward_lobe import HALF_VECTORS, LEVELS, incoming, vector
 from reflest_core.features.tangent_frame import tangent_frame
 from reflest_core.fusion.octahedral import octahedral_texel
 from reflest_core.jit import compiled, kernel_array
-
-
-@dataclass(frozen=True)
-class Reflection:
-    """Radiance that O observations show of a surface with ``rho_s = 1``, in parts that add up.
-
-    ``seen``: (O, 3), of the light as it was seen, clipped pixels as white. ``unseen``: (O, P, 3),
-    of a smooth fill of each patch's unseen directions. ``excess``: (O, P), of radiance 1 above
-    white where each patch was seen clipped. All float32. Compare :class:`DiffuseResponse`.
-    """
-
-    seen: NDArray[np.float32]
-    unseen: NDArray[np.float32]
-    excess: NDArray[np.float32]
 
 
 def reflection(
@@ -36,15 +20,15 @@ def reflection(
     roughness: int,
     normals: NDArray[np.float32],
     directions: NDArray[np.float32],
-) -> Reflection:
+) -> PatchResponse:
     """Lobes of ``ROUGHNESSES[roughness]`` about ``normals``, seen from ``directions``, (O, 3) unit.
 
     ``filled``: the light after pull and push.
     """
-    return Reflection(
+    return PatchResponse(
         *_gather(
             filled.levels[LEVELS[roughness]], HALF_VECTORS[roughness],
-            kernel_array(normals, np.float32), kernel_array(directions, np.float32), EDGE, PATCHES,
+            kernel_array(normals, np.float32), kernel_array(directions, np.float32), EDGE,
         )
     )  # fmt: skip
 
@@ -56,9 +40,8 @@ def _gather(
     normals: NDArray[np.float32],
     directions: NDArray[np.float32],
     edge: int,
-    patches: int,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
-    samples, size = len(half_vectors), len(light)
+    samples, size, patches = len(half_vectors), len(light), edge * edge
     seen = np.zeros((len(normals), 3), np.float32)
     unseen = np.zeros((len(normals), patches, 3), np.float32)
     excess = np.zeros((len(normals), patches), np.float32)
