@@ -27,6 +27,15 @@ def compiled(function: F) -> F:
     return cast(F, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
 
 
+def vectorised(function: F) -> F:
+    """The same, where plain loops over arrays of finite numbers are to use vector instructions.
+
+    No value depends on the flags but those of NaNs and the sign of zeros.
+    """
+    decorator = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"nnan", "nsz"})
+    return cast(F, decorator(function))
+
+
 def kernel_array(array: NDArray[Any], dtype: DTypeLike) -> NDArray[Any]:
     """``array`` itself or a copy: of ``dtype``, C-contiguous and writable.
 

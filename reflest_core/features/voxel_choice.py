@@ -4,13 +4,12 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.thinning import thinned
-from reflest_core.jit import compiled
+from reflest_core.jit import compiled, vectorised
 
 MIN_OBSERVATIONS = 5
 """A voxel seen less often is chosen only where there are too few others."""
@@ -42,8 +41,7 @@ def choose_voxels(surface: ObservedSurface, count: int) -> NDArray[np.int64]:
     return np.sort(eligible[_most_observed(clusters, observations[eligible], count)])
 
 
-# Three plain loops and these flags (no value depends on them) let the compiler use vectors.
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"nnan", "nsz"})
+@vectorised
 def _k_centre_clusters(points: NDArray[np.float64], count: int) -> NDArray[np.int32]:
     """Cluster (P,) of each of the ``points`` (6, P): each centre is farthest from those before it.
 

@@ -64,8 +64,7 @@ def explain(surface: ObservedSurface, light: ObservedLight) -> Explanation:
     weights = cosine_weights(surface.normals[voxels])
     response = diffuse_response(light, filled, weights)
     sample = sampled(surface, choose_voxels(surface, SAMPLED))
-    first = infer_light(response, colours, EVEN)
-    free = infer_light(response, colours, FREE)
+    first, free = infer_light(response, colours, (EVEN, FREE))
     normals_of_sample = sample.normals[sample.voxel_of]
     lobes = lobe_radiance(filled, normals_of_sample, sample.directions)
     gloss = fit_gloss(sample.colours, sample.clipped, lobes, sample.voxel_of)

@@ -25,6 +25,7 @@ from reflest_core.features.light.light_prior import (
     LightPrior,
     Unknowns,
     log_albedo_deviation,
+    which_matter,
 )
 from reflest_core.features.light.surface_sample import SurfaceSample
 
@@ -78,7 +79,7 @@ def _infer_channel(
     diffuse = response.columns(sample.voxel_of[known], channel)
     mirrored = reflection.columns(known, channel)
     mirrored[:, 0] = 0.0  # what reflects seen light is known, and taken from the target
-    unknowns = Unknowns.of(diffuse + mirrored, prior)
+    unknowns = Unknowns(which_matter(diffuse + mirrored), prior)
     diffuse, mirrored = diffuse[:, unknowns.matters], mirrored[:, unknowns.matters]
     found, factors = unknowns.expected(albedo), unknowns.expected(1.0)
     for turn in range(TURNS):

@@ -9,6 +9,7 @@ at least 0. Priors keep what the shading does not tell at plausible values.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +22,7 @@ from reflest_core.features.light.light_prior import (
     LightPrior,
     Unknowns,
     log_albedo_deviation,
+    which_matter,
 )
 
 NOISE, DARK_NOISE = 0.07, 0.01
@@ -56,29 +58,49 @@ class InferredLight:
 
 
 def infer_light(
-    response: PatchResponse, colours: NDArray[np.float32], prior: LightPrior = EVEN
-) -> InferredLight:
-    """Explain diffuse ``colours`` (V, 3), linear; those at 1 are clipped and say nothing."""
-    return InferredLight.of(
-        [_infer_channel(response, colours[:, channel], channel, prior) for channel in range(3)]
-    )
+    response: PatchResponse, colours: NDArray[np.float32], priors: Sequence[LightPrior] = (EVEN,)
+) -> list[InferredLight]:
+    """Explain diffuse ``colours`` (V, 3), linear, under each prior; those at 1 say nothing."""
+    channels = [_System.of(response, colours[:, channel], channel) for channel in range(3)]
+    return [
+        InferredLight.of([channel.explained(prior) for channel in channels]) for prior in priors
+    ]
 
 
-def _infer_channel(
-    response: PatchResponse, colours: NDArray[np.float32], channel: int, prior: LightPrior
-) -> ChannelLight:
-    known = colours < 1.0
-    target = colours[known].astype(np.float64)
-    noise = NOISE * target + DARK_NOISE * max(float(target.max(initial=0.0)), 1e-3)
-    columns = response.columns(known, channel)
-    unknowns = Unknowns.of(columns, prior)
-    used = columns[:, unknowns.matters].astype(np.float64)
-    weighted = used / noise[:, None]
-    data_matrix, data_vector = weighted.T @ weighted, weighted.T @ (target / noise)
-    found = unknowns.expected(ALBEDO[0])
-    for _ in range(ROUNDS):
-        found, matrix = unknowns.most_likely(data_matrix, data_vector, found)
-    errors = (used @ found - target) / noise
-    misfit = NOISE * float(np.sqrt((errors**2).mean())) if len(errors) else 0.0
-    deviation = log_albedo_deviation(found, matrix)
-    return unknowns.factors(found), max(float(found[0]), 1e-3), deviation, misfit
+@dataclass(frozen=True)
+class _System:
+    """One channel's least squares: U unknowns that matter, R colours.
+
+    ``used``: (R, U) answers, ``target``: (R,) colours, ``noise``: (R,) their standard deviations.
+    ``matrix``: (U, U) and ``vector``: (U,), the normal equations.
+    """
+
+    matters: NDArray[np.bool_]
+    used: NDArray[np.float64]
+    target: NDArray[np.float64]
+    noise: NDArray[np.float64]
+    matrix: NDArray[np.float64]
+    vector: NDArray[np.float64]
+
+    @staticmethod
+    def of(response: PatchResponse, colours: NDArray[np.float32], channel: int) -> _System:
+        known = colours < 1.0
+        target = colours[known].astype(np.float64)
+        noise = NOISE * target + DARK_NOISE * max(float(target.max(initial=0.0)), 1e-3)
+        columns = response.columns(known, channel)
+        matters = which_matter(columns)
+        used = columns[:, matters].astype(np.float64)
+        weighted = used / noise[:, None]
+        return _System(
+            matters, used, target, noise, weighted.T @ weighted, weighted.T @ (target / noise)
+        )
+
+    def explained(self, prior: LightPrior) -> ChannelLight:
+        unknowns = Unknowns(self.matters, prior)
+        found = unknowns.expected(ALBEDO[0])
+        for _ in range(ROUNDS):
+            found, matrix = unknowns.most_likely(self.matrix, self.vector, found)
+        errors = (self.used @ found - self.target) / self.noise
+        misfit = NOISE * float(np.sqrt((errors**2).mean())) if len(errors) else 0.0
+        deviation = log_albedo_deviation(found, matrix)
+        return unknowns.factors(found), max(float(found[0]), 1e-3), deviation, misfit

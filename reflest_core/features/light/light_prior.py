@@ -52,23 +52,23 @@ BRIGHT = LightPrior((5.0, 10.0))
 """It usually is, and reflections will tell where."""
 
 
+def which_matter(columns: NDArray[np.floating]) -> NDArray[np.bool_]:
+    """(1 + 2 P,): of which unknowns a system with ``columns`` (R, 1 + 2 P) says anything."""
+    strongest = columns.max(axis=0, initial=0.0)
+    matters = strongest > NEGLIGIBLE * max(float(strongest.max()), 1e-9)
+    matters[0] = True
+    return np.asarray(matters)
+
+
 @dataclass(frozen=True)
 class Unknowns:
     """``rho_d`` of one channel and, in units of it, what each patch of light holds.
 
-    ``matters``: (1 + 2 P,) bool, of which unknowns the observations say anything.
+    ``matters``: see :func:`which_matter`.
     """
 
     matters: NDArray[np.bool_]
     prior: LightPrior
-
-    @staticmethod
-    def of(columns: NDArray[np.floating], prior: LightPrior) -> Unknowns:
-        """Those of a system with ``columns`` (R, 1 + 2 P)."""
-        strongest = columns.max(axis=0, initial=0.0)
-        matters = strongest > NEGLIGIBLE * max(float(strongest.max()), 1e-9)
-        matters[0] = True
-        return Unknowns(matters, prior)
 
     def expected(self, albedo: float) -> Array:
         """What the prior expects at this ``rho_d``, of the unknowns that matter."""

@@ -10,14 +10,16 @@ what does, hardly less so within small cells, for the direction alone does not d
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf import srgb
-from reflest_core.features.light.surface_sample import chosen_observations, towards_cameras
+from reflest_core.features.light.mirrored_texels import vector
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.octahedral import octahedral_texel
-from reflest_core.jit import compiled, kernel_array
+from reflest_core.jit import compiled
 
 OBSERVATIONS = 30
 """Of one voxel at most."""
@@ -38,30 +40,59 @@ def reflected_detail(surface: ObservedSurface, voxels: NDArray[np.int64]) -> NDA
     What varies is the logarithm of the brightness (the channels' mean) of ``voxels``, indices into
     ``surface``, above that in each one's darkest view. Every one of them is observed.
     """
-    rows, voxel_of, _ = chosen_observations(surface, voxels, OBSERVATIONS)
-    directions = towards_cameras(surface, rows, voxels[voxel_of])
-    normals = surface.normals[voxels][voxel_of]
-    cosine = np.einsum("ij,ij->i", normals, directions)
-    shown = _above_darkest(srgb.LINEAR[surface.colours[rows]].mean(axis=1), voxel_of)
-    mirrored = 2.0 * cosine[:, None] * normals - directions
-    counts = cosine > STEEPEST
-    mirrored = kernel_array(mirrored[counts], np.float32)
-    shown = kernel_array(shown[counts], np.float32)
+    mirrored, above, brightness = _above_darkest(
+        surface.positions, surface.normals, surface.offsets, surface.colours,
+        surface.view_indices, surface.view_centres, voxels, srgb.LINEAR,
+    )  # fmt: skip
+    shown = np.log(above / np.float32(max(brightness, 1e-6)) + np.float32(DARK))
     variance = max(float(shown.var()), 1e-9) if len(shown) else 1e-9
     within = np.array([_variance_within(mirrored, shown, cells) for cells in CELLS])
     shares = np.clip(within / variance, 0.0, 2.0)
     return np.log(np.append(shares, np.sqrt(variance)) + LEAST).astype(np.float32)
 
 
+@compiled
 def _above_darkest(
-    brightness: NDArray[np.float32], voxel_of: NDArray[np.int64]
-) -> NDArray[np.float32]:
-    if not len(brightness):
-        return brightness
-    counts = np.bincount(voxel_of)
-    darkest = np.minimum.reduceat(brightness, np.cumsum(counts) - counts)
-    above = (brightness - darkest[voxel_of]) / max(float(brightness.mean()), 1e-6)
-    return np.asarray(np.log(above + DARK))
+    positions: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    offsets: NDArray[np.int64],
+    colours: NDArray[np.uint8],
+    view_indices: NDArray[np.uint16],
+    view_centres: NDArray[np.float32],
+    voxels: NDArray[np.int64],
+    linear: NDArray[np.float32],
+) -> tuple[NDArray[np.float32], NDArray[np.float32], float]:
+    """Of M observations that count: mirrored directions (M, 3) and brightness above the darkest.
+
+    And the mean brightness of all that were looked at.
+    """
+    mirrored = np.empty((len(voxels) * OBSERVATIONS, 3), np.float32)
+    above = np.empty(len(voxels) * OBSERVATIONS, np.float32)
+    shown = np.empty(OBSERVATIONS, np.float32)
+    total, looked_at, kept = 0.0, 0, 0
+    for voxel in voxels:
+        first, count = offsets[voxel], offsets[voxel + 1] - offsets[voxel]
+        taken = min(count, OBSERVATIONS)
+        for slot in range(taken):
+            colour = colours[first + slot * count // taken]
+            shown[slot] = (linear[colour[0]] + linear[colour[1]] + linear[colour[2]]) / 3.0
+            total += shown[slot]
+        looked_at += taken
+        darkest = shown[:taken].min()
+        nx, ny, nz = vector(normals, voxel)
+        px, py, pz = vector(positions, voxel)
+        for slot in range(taken):
+            cx, cy, cz = vector(view_centres, view_indices[first + slot * count // taken])
+            dx, dy, dz = cx - px, cy - py, cz - pz
+            length = math.sqrt(dx * dx + dy * dy + dz * dz)
+            cosine = (dx * nx + dy * ny + dz * nz) / length
+            if cosine > STEEPEST:
+                mirrored[kept, 0] = 2.0 * cosine * nx - dx / length
+                mirrored[kept, 1] = 2.0 * cosine * ny - dy / length
+                mirrored[kept, 2] = 2.0 * cosine * nz - dz / length
+                above[kept] = shown[slot] - darkest
+                kept += 1
+    return mirrored[:kept], above[:kept], total / max(looked_at, 1)
 
 
 @compiled

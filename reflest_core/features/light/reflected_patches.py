@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from reflest_core.features.light.completion import LightPyramid
 from reflest_core.features.light.light_patches import EDGE, PatchResponse
-from reflest_core.features.light.ward_lobe import HALF_VECTORS, LEVELS, incoming, vector
+from reflest_core.features.light.mirrored_texels import mirrored_texels, vector
+from reflest_core.features.light.ward_lobe import HALF_VECTORS, LEVELS
 from reflest_core.features.tangent_frame import tangent_frame
-from reflest_core.fusion.octahedral import octahedral_texel
 from reflest_core.jit import compiled, kernel_array
 
 
@@ -41,20 +41,19 @@ def _gather(
     directions: NDArray[np.float32],
     edge: int,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
-    samples, size, patches = len(half_vectors), len(light), edge * edge
+    size, samples, patches = len(light), half_vectors.shape[1], edge * edge
     seen = np.zeros((len(normals), 3), np.float32)
     unseen = np.zeros((len(normals), patches, 3), np.float32)
     excess = np.zeros((len(normals), patches), np.float32)
+    weights, texels = np.empty(samples, np.float64), np.empty(samples, np.int32)
     for observation in range(len(normals)):
         frame = tangent_frame(normals[observation])
         n, o = vector(normals, observation), vector(directions, observation)
+        mirrored_texels(frame, n, o, half_vectors, size, weights, texels)
         for sample in range(samples):
-            weight, ix, iy, iz = incoming(frame, n, o, vector(half_vectors, sample))
-            if weight == 0.0:
-                continue
-            row, column = octahedral_texel(ix, iy, iz, size)
+            share = weights[sample] / samples
+            row, column = texels[sample] // size, texels[sample] % size
             patch = (row * edge // size) * edge + column * edge // size
-            share = weight / samples
             hidden = share * (1.0 - light[row, column, 3])
             for channel in range(3):
                 radiance = light[row, column, channel]

@@ -43,8 +43,8 @@ class SurfaceSample:
 
 def sampled(surface: ObservedSurface, voxels: NDArray[np.int64]) -> SurfaceSample:
     """At most 12 observations of each of ``voxels``, indices into ``surface``."""
-    rows, voxel_of, slot = chosen_observations(surface, voxels)
-    directions = towards_cameras(surface, rows, voxels[voxel_of])
+    rows, voxel_of, slot = _chosen(surface, voxels)
+    directions = _towards_cameras(surface, rows, voxels[voxel_of])
     colours = surface.colours[rows]
     return SurfaceSample(
         voxels, surface.normals[voxels], voxel_of, slot, directions, srgb.LINEAR[colours],
@@ -52,7 +52,7 @@ def sampled(surface: ObservedSurface, voxels: NDArray[np.int64]) -> SurfaceSampl
     )  # fmt: skip
 
 
-def towards_cameras(
+def _towards_cameras(
     surface: ObservedSurface, rows: NDArray[np.int64], voxels: NDArray[np.int64]
 ) -> NDArray[np.float32]:
     """(R, 3) unit, from each of ``voxels`` (R,) to where its observation of ``rows`` was made."""
@@ -60,15 +60,12 @@ def towards_cameras(
     return np.asarray(towards / np.linalg.norm(towards, axis=1, keepdims=True))
 
 
-def chosen_observations(
-    surface: ObservedSurface, voxels: NDArray[np.int64], most: int = OBSERVATIONS
+def _chosen(
+    surface: ObservedSurface, voxels: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Rows of the chosen observations, each one's place in ``voxels``, and its slot there.
-
-    ``most``: of one voxel.
-    """
+    """Rows of the chosen observations, each one's place in ``voxels``, and its slot there."""
     first, counts = surface.offsets[voxels], surface.observation_counts[voxels]
-    taken = np.minimum(counts, most)
+    taken = np.minimum(counts, OBSERVATIONS)
     voxel_of = np.repeat(np.arange(len(voxels)), taken)
     slot = np.arange(len(voxel_of)) - np.repeat(np.cumsum(taken) - taken, taken)
     step = slot * counts[voxel_of] // np.maximum(taken[voxel_of], 1)

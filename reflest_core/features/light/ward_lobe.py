@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.features.light.completion import LightPyramid
+from reflest_core.features.light.mirrored_texels import mirrored_texels, vector
 from reflest_core.features.tangent_frame import tangent_frame
-from reflest_core.fusion.octahedral import octahedral_texel
 from reflest_core.jit import compiled
 
 ROUGHNESSES = (0.01, 0.03, 0.06, 0.09, 0.12, 0.15, 0.18, 0.21)
@@ -31,7 +31,7 @@ def lobe_radiance(
     Half vectors are stratified over the lobe, ``tan theta_h = alpha sqrt(-ln(1 - u))``, and weigh
     ``(omega_o . h) cos^3 theta_h sqrt(cos theta_i / cos theta_o)``, which is f / pdf for Eq. 1.
     """
-    fine, middle, coarse = light.levels[:3]
+    fine, middle, coarse = (level.reshape(-1, 5) for level in light.levels[:3])
     return _gather(
         fine, middle, coarse, np.array(LEVELS), HALF_VECTORS,
         np.ascontiguousarray(normals, np.float32), np.ascontiguousarray(directions, np.float32),
@@ -39,50 +39,17 @@ def lobe_radiance(
 
 
 def half_vectors() -> NDArray[np.float32]:
-    """(K, 20, 3) unit, in the tangent frame with +z on the normal."""
+    """(K, 3, 20) unit, in the tangent frame with +z on the normal."""
     ring, sector = np.meshgrid(np.arange(RINGS), np.arange(SECTORS), indexing="ij")
     turn = (2.0 * math.pi * (sector + 0.6 * ring) / SECTORS).ravel()
     slope = np.sqrt(-np.log(1.0 - (ring.ravel() + 0.5) / RINGS))
     polar = np.arctan(np.array(ROUGHNESSES)[:, None] * slope)
     return np.stack(
-        [np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar)], axis=-1
+        [np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar)], axis=1
     ).astype(np.float32)
 
 
 HALF_VECTORS = half_vectors()
-
-
-@compiled
-def incoming(
-    frame: tuple[float, ...],
-    normal: tuple[float, float, float],
-    towards_camera: tuple[float, float, float],
-    half_vector: tuple[float, float, float],
-) -> tuple[float, float, float, float]:
-    """A sample's weight, 0 below the surface, and the direction that its light comes from.
-
-    ``half_vector``: in the tangent ``frame``. (Scalars: slices of arrays would be counted.)
-    """
-    tx, ty, tz, bx, by, bz = frame
-    nx, ny, nz = normal
-    ox, oy, oz = towards_camera
-    x, y, z = half_vector
-    hx = tx * x + bx * y + nx * z
-    hy = ty * x + by * y + ny * z
-    hz = tz * x + bz * y + nz * z
-    along = ox * hx + oy * hy + oz * hz
-    cosine_o = max(ox * nx + oy * ny + oz * nz, 1e-3)
-    cosine_i = 2.0 * along * z - cosine_o
-    if along <= 0.0 or cosine_i <= 0.0:
-        return 0.0, 0.0, 0.0, 0.0
-    weight = along * z * z * z * math.sqrt(cosine_i / cosine_o)
-    return weight, 2.0 * along * hx - ox, 2.0 * along * hy - oy, 2.0 * along * hz - oz
-
-
-@compiled
-def vector(vectors: NDArray[np.float32], row: int) -> tuple[float, float, float]:
-    """A row of ``vectors`` (N, 3)."""
-    return float(vectors[row, 0]), float(vectors[row, 1]), float(vectors[row, 2])
 
 
 @compiled
@@ -95,29 +62,27 @@ def _gather(
     normals: NDArray[np.float32],
     directions: NDArray[np.float32],
 ) -> NDArray[np.float32]:
-    roughnesses, samples = half_vectors.shape[:2]
+    roughnesses, _, samples = half_vectors.shape
+    finest = int(math.sqrt(len(fine)))
     gathered = np.empty((len(normals), roughnesses, 5), np.float32)
+    weights, texels = np.empty(samples, np.float64), np.empty(samples, np.int32)
     for observation in range(len(normals)):
         frame = tangent_frame(normals[observation])
         n, o = vector(normals, observation), vector(directions, observation)
         for roughness in range(roughnesses):
             level = levels[roughness]
             light = fine if level == 0 else (middle if level == 1 else coarse)
-            size = len(light)
-            of_roughness = half_vectors[roughness]
+            size = finest >> level
+            mirrored_texels(frame, n, o, half_vectors[roughness], size, weights, texels)
             total, red, green, blue, seen, clipped = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
             for sample in range(samples):
-                half_vector = vector(of_roughness, sample)
-                weight, ix, iy, iz = incoming(frame, n, o, half_vector)
-                if weight == 0.0:
-                    continue
-                row, column = octahedral_texel(ix, iy, iz, size)
+                weight, texel = weights[sample], texels[sample]
                 total += weight
-                red += weight * light[row, column, 0]
-                green += weight * light[row, column, 1]
-                blue += weight * light[row, column, 2]
-                seen += weight * light[row, column, 3]
-                clipped += weight * light[row, column, 4]
+                red += weight * light[texel, 0]
+                green += weight * light[texel, 1]
+                blue += weight * light[texel, 2]
+                seen += weight * light[texel, 3]
+                clipped += weight * light[texel, 4]
             gathered[observation, roughness, 0] = red / samples
             gathered[observation, roughness, 1] = green / samples
             gathered[observation, roughness, 2] = blue / samples

@@ -47,8 +47,8 @@ def colours_under(radiance):
 
 def inferred(observed, colours, prior=EVEN):
     filled = complete(observed)
-    found = infer_light(
-        diffuse_response(observed, filled, cosine_weights(normals())), colours, prior
+    (found,) = infer_light(
+        diffuse_response(observed, filled, cosine_weights(normals())), colours, (prior,)
     )
     return filled, found
 
