@@ -22,6 +22,9 @@ _CELL = ~(1 << (2 * COORDINATE_BITS) | 1 << COORDINATE_BITS | 1)
 """The 2 x 2 x 2 keys that differ in the lowest bit of each coordinate have neighbouring slots, for
 neighbours are looked up together and 8 keys are one line of the processor's cache."""
 
+NO_ROW = -1
+"""In a slot that is empty."""
+
 _HASH_FACTOR = np.uint64(0x9E3779B97F4A7C15)
 
 
@@ -33,8 +36,9 @@ class KeyIndex:
 
     def __init__(self, capacity: int) -> None:
         slots = 1 << max(1, (2 * capacity - 1).bit_length())
-        self.keys: NDArray[np.int64] = np.zeros(slots, np.int64)
-        self.rows: NDArray[np.int32] = np.zeros(slots, np.int32)
+        # Written at once, for hashing spreads the first frame's keys over all of their memory.
+        self.keys: NDArray[np.int64] = np.full(slots, NO_KEY, np.int64)
+        self.rows: NDArray[np.int32] = np.full(slots, NO_ROW, np.int32)
 
     @property
     def nbytes(self) -> int:
