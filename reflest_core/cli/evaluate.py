@@ -11,8 +11,8 @@ from typing import Any
 from reflest_core.parameter import ParameterError
 
 ALL_PARTS = (
-    "table-2", "views", "calibration", "failures", "ablation", "realism", "latency",
-    "time-accuracy", "eight-bit", "baselines", "perception", "quick",
+    "table-2", "views", "calibration", "failures", "ablation", "realism", "realism-training",
+    "latency", "time-accuracy", "eight-bit", "baselines", "perception", "quick",
 )  # fmt: skip
 
 OPTIMISED = 8
@@ -35,7 +35,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument(
         "--parts", nargs="*", choices=ALL_PARTS, metavar="PART",
         help=f"which to measure, of {', '.join(ALL_PARTS)}; none: write the page alone; default: "
-        "all, but ablation only with --ablation",
+        "all, but ablation only with --ablation, realism-training with --hardened",
     )  # fmt: skip
     parser.add_argument(
         "--runs", type=Path, help="folder of trained variants; default: the shipped weights"
@@ -56,6 +56,10 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument(
         "--ablation", type=Path, metavar="FOLDER",
         help="trainings of lightnet with --hold-out, with and without --without",
+    )  # fmt: skip
+    parser.add_argument(
+        "--hardened", type=Path, metavar="FOLDER",
+        help="variants trained with --realism, to compare with those of --runs",
     )  # fmt: skip
     parser.add_argument(
         "--realism", nargs="*", metavar="EFFECT", help="give scenes the faults of a real capture"
@@ -85,6 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
         _degradation(arguments),
         arguments.ablation,
         arguments.meshes,
+        arguments.hardened,
     )
     study = Study(settings)
     wanted = _wanted(arguments)
@@ -99,7 +104,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _wanted(arguments: argparse.Namespace) -> list[str]:
     if arguments.parts is not None:
         return list(arguments.parts)
-    return [part for part in ALL_PARTS if part != "ablation" or arguments.ablation]
+    given = {"ablation": arguments.ablation, "realism-training": arguments.hardened}
+    return [part for part in ALL_PARTS if given.get(part, True)]
 
 
 def _run_quick() -> int:
@@ -123,6 +129,8 @@ def _command(arguments: argparse.Namespace) -> str:
         words.append("--runs RUNS")
     if arguments.ablation:
         words.append("--ablation ABLATION")
+    if arguments.hardened:
+        words.append("--hardened HARDENED")
     if arguments.environments:
         words.append("--environments ENVIRONMENTS")
     if arguments.meshes:

@@ -27,6 +27,7 @@ SECTIONS: dict[str, Callable[[Record], Lines]] = {
     "failures": trust.failures,
     "ablation": buys.ablation,
     "realism": buys.realism,
+    "realism-training": buys.realism_training,
     "latency": cost.latency,
     "time-accuracy": cost.time_accuracy,
     "eight-bit": cost.eight_bit,

@@ -13,7 +13,13 @@ from reflest_core.evaluation.ablation import collect_ablation
 from reflest_core.evaluation.baselines import measure_baselines
 from reflest_core.evaluation.calibration import measure_calibration
 from reflest_core.evaluation.contact_sheet import SHOWN, draw_contact_sheet
-from reflest_core.evaluation.contenders import LIGHTNET, EvaluationError, known_light, named
+from reflest_core.evaluation.contenders import (
+    LIGHTNET,
+    EvaluationError,
+    find_contenders,
+    known_light,
+    named,
+)
 from reflest_core.evaluation.estimates import SceneEstimates
 from reflest_core.evaluation.estimates_file import as_figures
 from reflest_core.evaluation.failure_pictures import (
@@ -27,6 +33,7 @@ from reflest_core.evaluation.perception import measure_perception
 from reflest_core.evaluation.quick_check import write_expected
 from reflest_core.evaluation.quick_set import QUICK_SET, VARIANT, save_quick_set
 from reflest_core.evaluation.realism_cost import measure_realism
+from reflest_core.evaluation.realism_training import measure_realism_training
 from reflest_core.evaluation.shown_scenes import load_shown, random_subset
 from reflest_core.evaluation.size_and_latency import measure_eight_bit, measure_latency
 from reflest_core.evaluation.study import Study
@@ -126,10 +133,24 @@ def _ablation(study: Study) -> Figures:
 
 
 def _realism(study: Study) -> Figures:
-    """On scenes without the faults that ``--realism`` may have given the others."""
+    return measure_realism(study.contenders, _few_clean_scenes(study))
+
+
+def _realism_training(study: Study) -> Figures:
+    folder = study.settings.hardened
+    if folder is None:
+        raise EvaluationError(
+            "part realism-training needs --hardened FOLDER, with trainings with --realism"
+        )
+    hardened = [one for one in find_contenders(folder) if one.name != LIGHTNET]
+    return measure_realism_training(study.contenders, hardened, _few_clean_scenes(study))
+
+
+def _few_clean_scenes(study: Study) -> list[SynbrdfScene]:
+    """Without the faults that ``--realism`` may have given the others."""
     settings = study.settings
     clean = load_shown(settings.data, "validation", None, settings.limit)
-    return measure_realism(study.contenders, random_subset(clean, FEW_SCENES, SUBSET_SEED))
+    return random_subset(clean, FEW_SCENES, SUBSET_SEED)
 
 
 def _time_accuracy(study: Study) -> Figures:
@@ -147,6 +168,7 @@ PARTS: dict[str, Callable[[Study], Figures]] = {
     "failures": _failures,
     "ablation": _ablation,
     "realism": _realism,
+    "realism-training": _realism_training,
     "latency": lambda study: measure_latency(study.contenders, study.splits["validation"]),
     "time-accuracy": _time_accuracy,
     "eight-bit": lambda study: measure_eight_bit(study.contenders, _few_samples(study)),

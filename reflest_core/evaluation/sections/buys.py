@@ -32,6 +32,32 @@ def realism(record: Record) -> Lines:
     ]
 
 
+def realism_training(record: Record) -> Lines:
+    """What training with faults buys and costs."""
+    body = []
+    for row in record["rows"]:
+        without, hardened = row["without"], row["with"]
+        cells = [row["network"], str(row["recipe"]["minibatches"])]
+        for case in ("clean", "faults"):
+            change = hardened[case] - without[case]
+            cells += [f"{without[case]:.3f}", f"{hardened[case]:.3f} ({change:+.3f})"]
+        body.append(cells)
+    return [
+        "## What training with these faults buys",
+        "",
+        f"RMSE on the same {record['scenes']} validation scenes, clean and with all faults, of the",
+        "paper's networks as shipped and after further training with `reflest train --realism`,",
+        "which shows them every scene a second time with the faults of a real capture.",
+        "",
+        *table(
+            ["network", "minibatches", "clean", "trained with faults", "all faults",
+             "trained with faults"],
+            body,
+        ),
+        "",
+    ]  # fmt: skip
+
+
 def ablation(record: Record) -> Lines:
     """What is lost where one thing is left out."""
     runs = record["runs"]

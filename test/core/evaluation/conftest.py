@@ -25,13 +25,25 @@ def data(tmp_path_factory):
     return write_synbrdf(tmp_path_factory.mktemp("data"), train=12, validation=6, unseen=4)
 
 
+def train(data, folder, name, *how):
+    """A variant into ``folder/name``, eight minibatches long."""
+    brief = ["--minibatches", "8", "--batch-size", "4", "--voxels", "8", "--threads", "1"]
+    out = ["--variant", name, "--out", str(folder / name), "--device", "cpu"]
+    assert main(["train", str(data), *out, *brief, *how]) == 0
+
+
+@pytest.fixture(scope="session")
+def hardened(data, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("hardened")
+    train(data, folder, "hemicnn-rmse1", "--realism")
+    return folder
+
+
 @pytest.fixture(scope="session")
 def runs(data, tmp_path_factory):
     folder = tmp_path_factory.mktemp("runs")
     for name in TRAINED:
-        how = ["--minibatches", "8", "--batch-size", "4", "--voxels", "8", "--threads", "1"]
-        out = ["--variant", name, "--out", str(folder / name), "--device", "cpu"]
-        assert main(["train", str(data), *out, *how]) == 0
+        train(data, folder, name)
     (folder / "lightnet").mkdir()
     untrained_lightnet(folder).rename(folder / "lightnet" / "lightnet.safetensors")
     return folder
