@@ -92,6 +92,7 @@ class Diagnostics:
             "frames matched": str(counts.matched),
             "frames fused": str(counts.fused),
             "frames redundant": str(counts.redundant),
+            "frames of light alone": str(counts.light_alone),
             "queue": str(session.fusion.waiting),
             "keyframes": str(counts.keyframes),
             "keyframes skipped": str(session.estimation.skipped),

@@ -17,6 +17,7 @@ class FusionCounts:
     """Written by the fusion worker, read by the diagnostics.
 
     ``redundant``: frames among the fused that showed nothing new, so that nothing was done.
+    ``light_alone``: those that looked away from the object.
     ``fill``: share of the store's budget in use. ``exposure_drift``: stops, NaN where unknown.
     ``exposure_gain``: of the last frame, by :meth:`.LightMap.add_frame`. ``light_seen``: share of
     all directions.
@@ -26,6 +27,7 @@ class FusionCounts:
     matched: int = 0
     fused: int = 0
     redundant: int = 0
+    light_alone: int = 0
     keyframes: int = 0
     dropped: int = 0
     voxels: int = 0

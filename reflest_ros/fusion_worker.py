@@ -180,6 +180,7 @@ class FusionWorker:
                 continue
             self.counts.fused += 1
             self.counts.redundant += scanned.fused.is_redundant
+            self.counts.light_alone += scanned.fused.is_light_alone
             if scanned.keyframe is not None:
                 self.counts.keyframes += 1
                 self._on_keyframe(Keyframe(scanned.keyframe, arrival))  # first: it is waited for

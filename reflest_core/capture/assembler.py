@@ -106,6 +106,7 @@ class FrameAssembler:
             mask=mask,
             frame_id=match.rgb.frame_id,
             world_frame_id=match.pose_before.frame_id,
+            depth_source=self._topics[Role.DEPTH],
         )
 
     def _depth(
@@ -118,12 +119,6 @@ class FrameAssembler:
         else:
             self._check_size(Role.DEPTH, depth, camera)
             depth = depth if rectifier is None else rectifier.depth(depth)
-        if not depth.any():
-            raise FrameRefused(
-                RefusalCause.DEPTH_EMPTY,
-                f"{topic} at {match.depth.stamp_ns / 1e9:.3f} s has no valid pixel: move the "
-                "camera into its depth range",
-            )
         return depth
 
     def _check_info_frame(self, match: Match) -> None:

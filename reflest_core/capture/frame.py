@@ -20,7 +20,8 @@ class Frame:
     metres, registered to ``rgb``; 0 where unknown. ``T_world_camera``: (4, 4) float64, camera
     optical frame (z forward, x right, y down) to world. ``mask``: (H, W) bool, True on the scanned
     object, or None where nobody published one. ``frame_id``, ``world_frame_id``: names of the
-    camera's and of the world frame, "" where unknown.
+    camera's and of the world frame, "" where unknown. ``depth_source``: how sentences name the
+    depth image.
     """
 
     stamp_ns: int
@@ -31,6 +32,7 @@ class Frame:
     mask: NDArray[np.bool_] | None = None
     frame_id: str = ""
     world_frame_id: str = ""
+    depth_source: str = "the depth image"
 
     @property
     def camera_centre(self) -> NDArray[np.float64]:

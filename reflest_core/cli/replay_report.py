@@ -20,11 +20,13 @@ from reflest_core.estimation.settings import ReflestSettings
 class ReplayResult:
     """What came out: an estimate for each keyframe, and one from the whole scan or why not.
 
-    ``fused_count``: frames taken in; ``redundant_count``: those among them that showed nothing new.
+    ``fused_count``: frames taken in; ``redundant_count``: those among them that showed nothing new;
+    ``light_count``: those that looked away from the object.
     """
 
     fused_count: int = 0
     redundant_count: int = 0
+    light_count: int = 0
     last_fused: Frame | None = None
     estimates: list[BrdfEstimate] = field(default_factory=list)
     final: BrdfEstimate | None = None
@@ -92,6 +94,7 @@ def replay_record(
             "seen": capture.frames_seen,
             "fused": result.fused_count,
             "redundant": result.redundant_count,
+            "light_alone": result.light_count,
         },
         "estimates": [estimate.to_json() for estimate in result.estimates],
         "final": None if result.final is None else result.final.to_json(),

@@ -71,6 +71,7 @@ def _scan(capture: Capture, scanner: Scanner, result: ReplayResult) -> None:
                 continue
             result.fused_count += 1
             result.redundant_count += scanned.fused.is_redundant
+            result.light_count += scanned.fused.is_light_alone
             result.last_fused = frame
             if scanned.keyframe is None:
                 continue
@@ -98,8 +99,9 @@ def _conclude(capture: Capture, scanner: Scanner, result: ReplayResult) -> None:
 
 
 def _report(capture: Capture, result: ReplayResult) -> None:
-    redundant = f", {result.redundant_count} of them redundant" if result.redundant_count else ""
-    print(f"{capture.frames_seen} colour images, {result.fused_count} frames fused{redundant}")
+    notes = {"redundant": result.redundant_count, "of the light alone": result.light_count}
+    counts = "".join(f", {count} of them {what}" for what, count in notes.items() if count)
+    print(f"{capture.frames_seen} colour images, {result.fused_count} frames fused{counts}")
     for line in final_lines(result.final) if result.final else []:
         print(line)
     if refused := refusals_line(capture):

@@ -24,6 +24,8 @@ class FusedFrame:
     updated. ``surface_voxels``: found in them. ``voxels_seen``: those that the frame truly sees.
     ``observations_kept``: observations added by it. The last three are 0 where ``view`` knew so
     much of the frame that only its depth was fused.
+
+    ``is_light_alone``: it looked away from the object, and showed the light that falls on it.
     """
 
     stamp_ns: int
@@ -38,3 +40,4 @@ class FusedFrame:
     surface_voxels: int
     voxels_seen: int
     observations_kept: int
+    is_light_alone: bool = False

@@ -16,10 +16,11 @@ from reflest_core.errors import ReflestError
 from reflest_core.fusion.background_light import background_pixels
 from reflest_core.fusion.colour_statistics import foreground_background_means
 from reflest_core.fusion.exposure_gain import may_share_view
-from reflest_core.fusion.foreground import FramePixels, classify_pixels
+from reflest_core.fusion.foreground import classify_pixels
 from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.light_map import LightMap
 from reflest_core.fusion.memory_budget import MemoryBudget
+from reflest_core.fusion.object_in_sight import KnownObject
 from reflest_core.fusion.observation_chunks import ChunkPool
 from reflest_core.fusion.observation_store import ObservationStore
 from reflest_core.fusion.observed_surface import ObservedSurface
@@ -88,7 +89,7 @@ class Scan:
         self._clock_ns = None
 
     def fuse(self, frame: Frame) -> FusedFrame:
-        """Take a frame in.
+        """Take a frame in; of one that looks away from the object, the light alone.
 
         Raises :class:`FrameRefused` (``TIME_BACKWARDS``, ``DEPTH_EMPTY``, ``NO_OVERLAP``) before
         anything has changed.
@@ -102,11 +103,15 @@ class Scan:
         whole, window = frame, object_window(frame, self.region)
         frame = cropped(whole, window)
         pixels = classify_pixels(frame, self.region, self.fusion)
-        self._check_overlap(whole, pixels)
+        shows_object = bool(np.any(pixels.surface))
+        if not shows_object and not self._looks_away(whole):
+            raise self._refusal(whole)
         is_foreground = np.zeros(whole.depth.shape, np.bool_)
         is_foreground[window.slices] = pixels.foreground
         self.last_stamp_ns = self._clock_ns = frame.stamp_ns
         self.frame_id, self.world_frame_id = frame.frame_id, frame.world_frame_id
+        if not shows_object:
+            return self._fuse_light(whole)
         foreground, background = foreground_background_means(whole.rgb, is_foreground)
         known = known_frame(
             frame, pixels, self.store, self.views, self.fusion.voxel_size, self.fusion.view_spacing
@@ -172,6 +177,18 @@ class Scan:
         return FusedFrame(
             frame.stamp_ns, frame.frame_id, view, is_new_view, False, foreground, background,
             len(in_sight), len(changed), len(surface.keys), len(seen), kept,
+        )  # fmt: skip
+
+    def _fuse_light(self, frame: Frame) -> FusedFrame:
+        """Keep what a frame beside the object shows of the light that falls on it."""
+        everything = np.zeros(frame.depth.shape, np.bool_)
+        known = self._known_object()
+        self.light.add_frame(
+            *background_pixels(frame, everything, frame.depth, known.centre, known.radius)
+        )
+        return FusedFrame(
+            frame.stamp_ns, frame.frame_id, None, False, False,
+            *foreground_background_means(frame.rgb, everything), 0, 0, 0, 0, 0, is_light_alone=True,
         )  # fmt: skip
 
     def snapshot(self) -> ObservedSurface:
@@ -273,15 +290,22 @@ class Scan:
             ("views", self.views),
         )
 
-    def _check_overlap(self, frame: Frame, pixels: FramePixels) -> None:
-        if not np.any(pixels.surface) and not _has_depth(frame):
-            raise FrameRefused(
-                RefusalCause.DEPTH_EMPTY,
-                f"the depth image at {frame.stamp_ns} ns has no valid pixel: check the depth "
-                "topic's encoding, unit and range",
-            )
-        if not np.any(pixels.surface):
-            raise FrameRefused(RefusalCause.NO_OVERLAP, self._no_overlap_sentence(frame))
+    def _looks_away(self, frame: Frame) -> bool:
+        """Whether an object is known by now, and the frame shows what lies beside it."""
+        return self.store.count > 0 and not self._known_object().is_in_sight(frame)
+
+    def _known_object(self) -> KnownObject:
+        return KnownObject.of(self.store.rows.positions[: self.store.count])
+
+    def _refusal(self, frame: Frame) -> FrameRefused:
+        """Why a frame without a pixel of the object is of no use."""
+        if _has_depth(frame):
+            return FrameRefused(RefusalCause.NO_OVERLAP, self._no_overlap_sentence(frame))
+        return FrameRefused(
+            RefusalCause.DEPTH_EMPTY,
+            f"{frame.depth_source} at {frame.stamp_ns / 1e9:.3f} s has no valid pixel: move the "
+            "camera into its depth range, or check the depth topic's encoding and unit",
+        )
 
     def _no_overlap_sentence(self, frame: Frame) -> str:
         within = f"within max_depth = {self.fusion.max_depth:g} m"

@@ -39,6 +39,17 @@ def test_depth_without_a_valid_pixel(feed):
     feed.send_good()
 
 
+def test_a_look_at_the_sky_is_taken_for_its_light(feed):
+    feed.send_good()
+    view = feed.next_view()
+    backwards = view.T_world_camera @ np.diag([-1.0, 1.0, -1.0, 1.0])
+    sky = dataclasses.replace(view, depth=0 * view.depth, T_world_camera=backwards)
+    refused, seen = feed.peer.count("refused depth_empty"), feed.peer.count("frames of light alone")
+    feed.send(sky)
+    feed.peer.wait_for_count("frames of light alone", seen + 1)
+    assert feed.peer.count("refused depth_empty") == refused
+
+
 def test_an_image_that_was_cut_off(feed):
     view = feed.next_view()
     image = rgb_message(view)

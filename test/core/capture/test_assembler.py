@@ -83,7 +83,6 @@ BAD = [
         "size",
         "aligned",
     ),
-    (Role.DEPTH, {"data": bytes(2 * WIDTH * HEIGHT)}, "depth_empty", "no valid pixel"),
     (Role.DEPTH, {"frame_id": "camera_depth_optical_frame"}, "frame_mismatch", "check_frame_ids"),
     (Role.CAMERA_INFO, {"k": (0.0,) * 9}, "camera_info_invalid", "fx = 0"),
     (Role.CAMERA_INFO, {"width": 640, "height": 480}, "size", "640 x 480"),

@@ -55,7 +55,7 @@ def test_every_keyframe_and_the_end_get_an_estimate(replay, bag):
     final = record["final"]
     assert f"rho_s  {final['rho_s']:.4f}" in out
     assert f"alpha  {final['alpha']:.4f}" in out
-    assert record["frames"] == {"seen": 12, "fused": 12, "redundant": 0}
+    assert record["frames"] == {"seen": 12, "fused": 12, "redundant": 0, "light_alone": 0}
     assert record["refusals"] == {}
     assert record["damage"] is None
 
@@ -107,7 +107,7 @@ def test_folders_of_frames_are_replayed(replay, tmp_path, write):
     write(tmp_path / "folder", 6)
     code, _, err, record = replay(tmp_path / "folder")
     assert (code, err) == (0, "")
-    assert record["frames"] == {"seen": 6, "fused": 6, "redundant": 0}
+    assert record["frames"] == {"seen": 6, "fused": 6, "redundant": 0, "light_alone": 0}
 
 
 def test_a_region_of_interest_leaves_the_rest_out(replay, bag):

@@ -18,7 +18,7 @@ REGION = RegionSettings("box", (0.0, 0.0, 0.0), (0.3, 0.3, 0.3))
 
 def next_frame(**changes):
     frame = render([OBJECT], look_at(orbit(5, 24)), 9)
-    return dataclasses.replace(frame, **changes)
+    return dataclasses.replace(frame, depth_source="/camera/depth", **changes)
 
 
 def empty_depth():
@@ -29,8 +29,9 @@ def nan_depth():
     return next_frame(depth=np.full((120, 160), np.nan, np.float32))
 
 
-def looking_away():
-    return render([OBJECT], look_at((0.5, 0.0, 0.0), (1.0, 0.0, 0.0)), 9, background_depth=0.7)
+def beside_the_region():
+    """The object is in sight, but all that has depth is the wall behind it."""
+    return next_frame(depth=np.full((120, 160), 0.9, np.float32))
 
 
 def empty_mask():
@@ -40,9 +41,9 @@ def empty_mask():
 @pytest.mark.parametrize(
     ("frame", "cause", "words"),
     [
-        (empty_depth(), RefusalCause.DEPTH_EMPTY, "depth topic"),
-        (nan_depth(), RefusalCause.DEPTH_EMPTY, "depth topic"),
-        (looking_away(), RefusalCause.NO_OVERLAP, "region of interest"),
+        (empty_depth(), RefusalCause.DEPTH_EMPTY, "/camera/depth"),
+        (nan_depth(), RefusalCause.DEPTH_EMPTY, "/camera/depth"),
+        (beside_the_region(), RefusalCause.NO_OVERLAP, "region of interest"),
         (empty_mask(), RefusalCause.NO_OVERLAP, "mask"),
         (next_frame(stamp_ns=99_000_000), RefusalCause.TIME_BACKWARDS, "reset"),
         (next_frame(stamp_ns=5), RefusalCause.TIME_BACKWARDS, "reset"),
