@@ -11,8 +11,8 @@ from typing import Any
 from reflest_core.parameter import ParameterError
 
 ALL_PARTS = (
-    "table-2", "views", "calibration", "failures", "ablation", "realism", "realism-training",
-    "latency", "time-accuracy", "eight-bit", "baselines", "perception", "quick",
+    "table-2", "views", "look-around", "calibration", "failures", "ablation", "realism",
+    "realism-training", "latency", "time-accuracy", "eight-bit", "baselines", "perception", "quick",
 )  # fmt: skip
 
 OPTIMISED = 8
@@ -35,7 +35,8 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument(
         "--parts", nargs="*", choices=ALL_PARTS, metavar="PART",
         help=f"which to measure, of {', '.join(ALL_PARTS)}; none: write the page alone; default: "
-        "all, but ablation only with --ablation, realism-training with --hardened",
+        "all, but ablation only with --ablation, realism-training with --hardened, look-around "
+        "with --environments",
     )  # fmt: skip
     parser.add_argument(
         "--runs", type=Path, help="folder of trained variants; default: the shipped weights"
@@ -104,7 +105,11 @@ def run(arguments: argparse.Namespace) -> int:
 def _wanted(arguments: argparse.Namespace) -> list[str]:
     if arguments.parts is not None:
         return list(arguments.parts)
-    given = {"ablation": arguments.ablation, "realism-training": arguments.hardened}
+    given = {
+        "ablation": arguments.ablation,
+        "realism-training": arguments.hardened,
+        "look-around": arguments.environments,
+    }
     return [part for part in ALL_PARTS if given.get(part, True)]
 
 

@@ -7,23 +7,17 @@ Importing this module loads Mitsuba.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.camera import CameraIntrinsics
-from reflest_core.evaluation.contenders import EvaluationError
+from reflest_core.evaluation.source_scenes import SourceScenes
 from reflest_core.synbrdf.exposure import expose
 from reflest_core.synbrdf.full_image import FullImageRenderer
-from reflest_core.synbrdf.generation import Generation
-from reflest_core.synbrdf.metering import Metering
-from reflest_core.synbrdf.scene import Lighting
-from reflest_core.synbrdf.scene_file import MANIFEST, SynbrdfScene
+from reflest_core.synbrdf.scene_file import SynbrdfScene
 from reflest_core.synbrdf.scene_images import SceneImages
-from reflest_core.synbrdf.splits import Split
 from reflest_core.synbrdf.thumbnails import THUMBNAIL
 
 WIDTH, HEIGHT = 200, 150
@@ -36,18 +30,12 @@ class CloseUps:
     """Renders scenes of the data set in ``data`` with the sources that it was generated from."""
 
     def __init__(self, data: Path, environments: Path | None, meshes: Path | None) -> None:
-        manifest = json.loads((data / MANIFEST).read_text())
-        self.generation = generation_of(manifest, environments, meshes)
-        self.images = SceneImages(self.generation, WIDTH, HEIGHT, SAMPLES)
+        self.sources = SourceScenes(data, environments, meshes)
+        self.images = SceneImages(self.sources.generation, WIDTH, HEIGHT, SAMPLES)
 
     def picture(self, scene: SynbrdfScene, view: int) -> NDArray[np.float64]:
         """(HEIGHT, WIDTH, 3) sRGB in [0, 1] of the object in one view, as the camera exposed it."""
-        drawn = self.generation.scene(Split(scene.split), scene.index)
-        if drawn.material != scene.truth or drawn.light.name != scene.environment:
-            raise EvaluationError(
-                f"scene {scene.index} of {scene.split} cannot be rendered again: --environments "
-                "and --meshes are not those that the data set was generated with"
-            )
+        drawn = self.sources.drawn(scene)
         renderer = FullImageRenderer(close_up(scene.thumbnails.is_object[view]), SAMPLES)
         image = renderer.render(
             self.images.overview(drawn).rendered, drawn.light.radiance, drawn.poses[view],
@@ -70,20 +58,4 @@ def close_up(is_object: NDArray[np.bool_]) -> CameraIntrinsics:
     cx, cy = (np.array([THUMBNAIL.cx, THUMBNAIL.cy]) + 0.5 - corner) * scale - 0.5
     return CameraIntrinsics(
         WIDTH, HEIGHT, THUMBNAIL.fx * scale, THUMBNAIL.fy * scale, float(cx), float(cy)
-    )
-
-
-def generation_of(
-    manifest: dict[str, Any], environments: Path | None, meshes: Path | None
-) -> Generation:
-    """What the data set was asked to be, without its faults."""
-    return Generation(
-        manifest["seed"],
-        manifest["scenes"],
-        views=manifest["views"],
-        environments=environments,
-        meshes=meshes,
-        lighting=Lighting(manifest.get("lighting", Lighting.NATURAL.value)),
-        without=tuple(manifest.get("without", ())),
-        metering=Metering(manifest.get("metering", Metering.FRAME.value)),
     )

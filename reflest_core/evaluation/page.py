@@ -23,6 +23,7 @@ SECTIONS: dict[str, Callable[[Record], Lines]] = {
     "table-2": tables.table_2,
     "table-3": tables.table_3,
     "views": views.views,
+    "look-around": views.look_around,
     "calibration": trust.calibration,
     "failures": trust.failures,
     "ablation": buys.ablation,

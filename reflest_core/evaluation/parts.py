@@ -29,6 +29,7 @@ from reflest_core.evaluation.failure_pictures import (
     thumbnail_picture,
 )
 from reflest_core.evaluation.failures import find_failures
+from reflest_core.evaluation.look_around_study import measure_look_around
 from reflest_core.evaluation.perception import measure_perception
 from reflest_core.evaluation.quick_check import write_expected
 from reflest_core.evaluation.quick_set import QUICK_SET, VARIANT, save_quick_set
@@ -36,6 +37,7 @@ from reflest_core.evaluation.realism_cost import measure_realism
 from reflest_core.evaluation.realism_training import measure_realism_training
 from reflest_core.evaluation.shown_scenes import load_shown, random_subset
 from reflest_core.evaluation.size_and_latency import measure_eight_bit, measure_latency
+from reflest_core.evaluation.source_scenes import SourceScenes
 from reflest_core.evaluation.study import Study
 from reflest_core.evaluation.table_2 import measure_table_2, measure_table_3
 from reflest_core.evaluation.time_accuracy import measure_time_accuracy
@@ -153,6 +155,14 @@ def _few_clean_scenes(study: Study) -> list[SynbrdfScene]:
     return random_subset(clean, FEW_SCENES, SUBSET_SEED)
 
 
+def _look_around(study: Study) -> Figures:
+    settings = study.settings
+    if settings.environments is None:
+        raise EvaluationError("part look-around needs the data set's --environments and --meshes")
+    sources = SourceScenes(settings.data, settings.environments, settings.meshes)
+    return measure_look_around(known_light(study.contenders), study.scenes, sources.drawn)
+
+
 def _time_accuracy(study: Study) -> Figures:
     return measure_time_accuracy(known_light(study.contenders), _few_samples(study))
 
@@ -164,6 +174,7 @@ def _few_samples(study: Study) -> list[Sample]:
 PARTS: dict[str, Callable[[Study], Figures]] = {
     "table-2": _table_2,
     "views": lambda study: measure_views(study.contenders, study.scenes),
+    "look-around": _look_around,
     "calibration": _calibration,
     "failures": _failures,
     "ablation": _ablation,

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TypeVar
 
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.synbrdf.scene_file import SynbrdfScene
+from reflest_core.synbrdf.scene_light import Background
 from reflest_core.training.sample import (
     Degradation,
     Sample,
@@ -34,14 +36,21 @@ def load_shown(
     return scenes
 
 
-def shown(scene: SynbrdfScene, views: NDArray[np.int64] | None = None) -> Sample:
+def shown(
+    scene: SynbrdfScene,
+    views: NDArray[np.int64] | None = None,
+    looks_away: Sequence[Background] = (),
+) -> Sample:
     """What an estimate may know after ``views`` (all, if None): their observations and background.
 
-    No pixel of another view enters: neither the surface's colours nor the light.
+    No pixel of another view enters: neither the surface's colours nor the light. ``looks_away``:
+    frames of the light alone.
     """
     if views is None:
         views = np.arange(len(scene.surface.view_centres))
-    return dataclasses.replace(sample_of(scene), surface=scanned(scene, views))
+    return dataclasses.replace(
+        sample_of(scene), surface=scanned(scene, views, looks_away=looks_away)
+    )
 
 
 def random_subset(scenes: list[Scene], count: int, seed: int) -> list[Scene]:

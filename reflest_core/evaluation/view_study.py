@@ -8,6 +8,7 @@ import dataclasses
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.evaluation.accuracy import Accuracy, accuracy
@@ -61,7 +62,7 @@ def measure_views(
 
 def few_views(scenes: list[SynbrdfScene], count: int) -> list[Sample]:
     """The scenes after ``count`` random views, without those of which these show nothing."""
-    looks = (shown(scene, _drawn(scene, count)) for scene in scenes)
+    looks = (shown(scene, drawn_views(scene, count)) for scene in scenes)
     return [sample for sample in looks if len(sample.surface.colours)]
 
 
@@ -96,7 +97,8 @@ def _accuracy(estimator: Estimator, samples: list[Sample], title: str) -> Accura
     return accuracy(made.ward, samples, estimator.predictor.card.statistics)
 
 
-def _drawn(scene: SynbrdfScene, count: int) -> np.ndarray[Any, np.dtype[np.int64]]:
+def drawn_views(scene: SynbrdfScene, count: int) -> NDArray[np.int64]:
+    """``count`` random views, in their order; fewer are a subset of more."""
     views = len(scene.surface.view_centres)
     order = np.random.default_rng([SEED, scene.index]).permutation(views)
     return np.sort(order[:count])

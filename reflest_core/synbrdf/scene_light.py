@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,27 +15,33 @@ from reflest_core.synbrdf.exposure import expose
 from reflest_core.synbrdf.scene_file import SynbrdfScene
 from reflest_core.synbrdf.thumbnails import THUMBNAIL, Thumbnails
 
+Background = tuple[NDArray[np.float32], NDArray[np.uint8]]
+"""Directions (P, 3) in the world frame, of any length, and 8-bit colours (P, 3) of pixels."""
 
-def scene_light(scene: SynbrdfScene, views: NDArray[np.int64]) -> ObservedLight:
+
+def scene_light(
+    scene: SynbrdfScene, views: NDArray[np.int64], looks_away: Sequence[Background] = ()
+) -> ObservedLight:
     """The environment as the background of ``views`` shows it, through 8-bit images.
 
     As :func:`.background_pixels` does live, background with depth is placed where the middle of the
     surface sees it, and what has none is taken to be infinitely far. The camera's exposure is
-    taken to be locked.
+    taken to be locked. ``looks_away``: frames that come after the views and show no object.
     """
     is_background, directions, colours = _background(scene, views)
     light = LightMap()
     light.add(directions[is_background], colours[is_background])
+    for directions, colours in looks_away:
+        light.add(directions, colours)
     return light.observed()
 
 
 def light_and_gains(
-    scene: SynbrdfScene, views: NDArray[np.int64]
+    scene: SynbrdfScene, views: NDArray[np.int64], looks_away: Sequence[Background] = ()
 ) -> tuple[ObservedLight, NDArray[np.float32]]:
     """The same, view after view, with the exposure of each told from its background as live.
 
     The object's own voxels, which live are asked where parallax blurs the background, are not.
-
     The gains are of all W views of the scene, (W,); 1 for those that are not among ``views``.
     """
     gains = np.ones(len(scene.surface.view_centres), np.float32)
@@ -42,6 +50,8 @@ def light_and_gains(
         views, *_background(scene, views), strict=True
     ):
         gains[view] = light.add_frame(directions[is_background], colours[is_background])
+    for directions, colours in looks_away:
+        light.add_frame(directions, colours)
     return light.observed(), gains
 
 
@@ -60,7 +70,7 @@ def background_directions(
 ) -> NDArray[np.float32]:
     """Directions (W, 36, 48, 3), of any length, from ``object_centre`` (3,) to what is seen."""
     poses = thumbnails.T_world_camera[:, None]
-    towards = _pixel_rays() @ thumbnails.T_world_camera[:, :3, :3].swapaxes(-1, -2)
+    towards = pixel_rays() @ thumbnails.T_world_camera[:, :3, :3].swapaxes(-1, -2)
     towards = towards.reshape(*thumbnails.is_object.shape, 3)
     if thumbnails.depth is None:
         return np.asarray(towards, np.float32)
@@ -69,7 +79,7 @@ def background_directions(
     return np.where(depth > 0.0, from_centre, towards).astype(np.float32)
 
 
-def _pixel_rays() -> NDArray[np.float32]:
+def pixel_rays() -> NDArray[np.float32]:
     """Directions (36 * 48, 3) through the pixels' centres, row by row, camera frame."""
     u, v = np.meshgrid(np.arange(THUMBNAIL.width), np.arange(THUMBNAIL.height))
     x, y = (u - THUMBNAIL.cx) / THUMBNAIL.fx, (v - THUMBNAIL.cy) / THUMBNAIL.fy

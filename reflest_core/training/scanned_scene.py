@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +13,19 @@ from numpy.typing import NDArray
 from reflest_core.fusion.exposure_correction import at_one_exposure, means_at_one_exposure
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.synbrdf.scene_file import SynbrdfScene
-from reflest_core.synbrdf.scene_light import light_and_gains, scene_light
+from reflest_core.synbrdf.scene_light import Background, light_and_gains, scene_light
 from reflest_core.training.augmentation import keep_views
 
 
 def scanned(
-    scene: SynbrdfScene, views: NDArray[np.int64], is_exposure_locked: bool = False
+    scene: SynbrdfScene,
+    views: NDArray[np.int64],
+    is_exposure_locked: bool = False,
+    looks_away: Sequence[Background] = (),
 ) -> ObservedSurface:
     """What ``views`` show of the surface and of the light behind it; nothing of another view.
+
+    ``looks_away``: frames beside the object that show more of the light.
 
     Changes of exposure are told from the background and made up for, as while scanning.
     ``is_exposure_locked`` says that there are none, and spares the search, which hardly ever finds
@@ -27,8 +33,8 @@ def scanned(
     """
     surface = keep_views(scene.surface, views)
     if is_exposure_locked:
-        return dataclasses.replace(surface, light=scene_light(scene, views))
-    light, gains = light_and_gains(scene, views)
+        return dataclasses.replace(surface, light=scene_light(scene, views, looks_away))
+    light, gains = light_and_gains(scene, views, looks_away)
     return dataclasses.replace(
         surface,
         light=light,

@@ -75,5 +75,5 @@ def test_the_picture_shows_what_the_thumbnail_shows(close_ups, scene):
 
 def test_other_sources_are_refused(close_ups, scene):
     other = dataclasses.replace(scene, environment="another")
-    with pytest.raises(EvaluationError, match="cannot be rendered again"):
+    with pytest.raises(EvaluationError, match="cannot be drawn again"):
         close_ups.picture(other, 0)

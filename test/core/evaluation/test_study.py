@@ -40,7 +40,7 @@ def out(data, runs, hardened, tmp_path_factory):
         patch.setattr(parts, "LOOKED_AT", 3)
         patch.setattr(parts, "FEW_SCENES", 3)
         patch.setattr(view_study, "VIEW_COUNTS", (5, 20, 30))
-        wanted = [part for part in parts.PARTS if part not in ("quick", "ablation")]
+        wanted = [part for part in parts.PARTS if part not in ("quick", "ablation", "look-around")]
         options = ["--out", str(folder), "--runs", str(runs), "--hardened", str(hardened)]
         options += ["--optimised", "2"]
         assert main(["evaluate", str(data), *options, "--parts", *wanted]) == 0

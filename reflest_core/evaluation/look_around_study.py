@@ -1,0 +1,84 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""What it buys to turn the camera round the room once, beside the scan of the object itself."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from reflest_core.evaluation.accuracy import accuracy
+from reflest_core.evaluation.contenders import Contender
+from reflest_core.evaluation.estimates import estimate_all
+from reflest_core.evaluation.shown_scenes import shown
+from reflest_core.evaluation.view_study import drawn_views
+from reflest_core.synbrdf.look_around import FRAMES, look_around
+from reflest_core.synbrdf.scene import Scene
+from reflest_core.synbrdf.scene_file import SynbrdfScene
+from reflest_core.training.sample import Sample
+
+VIEW_COUNTS = (100, 10)
+
+
+def measure_look_around(
+    contender: Contender,
+    splits: dict[str, list[SynbrdfScene]],
+    drawn: Callable[[SynbrdfScene], Scene],
+) -> dict[str, Any]:
+    """RMSE of lightnet with and without :data:`FRAMES` frames of the room, by pattern of views.
+
+    ``drawn``: the scene with its light, which must be infinitely far; these frames are all that is
+    taken of it, through the camera that took the others.
+    """
+    estimator = contender.estimator()
+    statistics = estimator.predictor.card.statistics
+    rows = []
+    for split, scenes in splits.items():
+        for count, samples in _looks(scenes, drawn, split).items():
+            made = {
+                name: estimate_all(estimator, some, f"{name}, {count} views of {split}").ward
+                for name, some in samples.items()
+            }
+            for pattern, chosen in _patterns(scenes):
+                row: dict[str, Any] = {"split": split, "views": count, "pattern": pattern}
+                for name, some in samples.items():
+                    of = [some[index] for index in chosen]
+                    found = accuracy(made[name][chosen], of, statistics)
+                    row[name] = {**dataclasses.asdict(found), "seen": _seen(of)}
+                rows.append(row)
+    return {"frames": FRAMES, "model_id": estimator.predictor.model_id, "rows": rows}
+
+
+def _looks(
+    scenes: list[SynbrdfScene], drawn: Callable[[SynbrdfScene], Scene], title: str
+) -> dict[int, dict[str, list[Sample]]]:
+    """By number of views: each scene as ``scan`` alone and as ``with`` the look around."""
+    looks: dict[int, dict[str, list[Sample]]] = {
+        count: {"scan": [], "with": []} for count in VIEW_COUNTS
+    }
+    for scene in tqdm(scenes, desc=f"looking around in {title}", unit="scene", leave=False):
+        frames = look_around(drawn(scene).light.radiance, scene.exposure)
+        for count, samples in looks.items():
+            views = drawn_views(scene, count)
+            samples["scan"].append(shown(scene, views))
+            samples["with"].append(shown(scene, views, frames))
+    return looks
+
+
+def _patterns(scenes: list[SynbrdfScene]) -> Iterator[tuple[str, NDArray[np.int64]]]:
+    """Indices of all scenes, and of those with each pattern of views."""
+    patterns = np.array([scene.view_pattern for scene in scenes])
+    yield "all", np.arange(len(scenes))
+    for pattern in np.unique(patterns):
+        yield str(pattern), np.flatnonzero(patterns == pattern)
+
+
+def _seen(samples: list[Sample]) -> float:
+    """Mean share of all directions of which the light was seen."""
+    lights = [sample.surface.light for sample in samples]
+    return float(np.mean([0.0 if light is None else light.seen_share for light in lights]))

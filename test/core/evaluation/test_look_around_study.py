@@ -1,0 +1,62 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The study of a look around compares the same scans with and without it."""
+
+import json
+
+import pytest
+
+pytest.importorskip("mitsuba")
+
+from reflest_core.cli.main import main
+from reflest_core.evaluation.accuracy import accuracy
+from reflest_core.evaluation.contenders import Contender
+from reflest_core.evaluation.estimates import estimate_all
+from reflest_core.evaluation.look_around_study import measure_look_around
+from reflest_core.evaluation.page import write_page
+from reflest_core.evaluation.record_file import Provenance, write_record
+from reflest_core.evaluation.shown_scenes import shown
+from reflest_core.evaluation.source_scenes import SourceScenes
+from reflest_core.synbrdf.generation import Generation
+from reflest_core.synbrdf.sparse_scene import SparseRenderer, SparseSettings
+from reflest_core.synbrdf.splits import Split
+
+GENERATION = Generation(3, {"train": 4, "validation": 2, "unseen": 3}, points=60, views=8)
+
+
+@pytest.fixture(scope="module")
+def scenes():
+    renderer = SparseRenderer(SparseSettings(points=60, views=8))
+    indices = range(3)
+    return [renderer.render(GENERATION.scene(Split.UNSEEN, i), GENERATION.seed) for i in indices]
+
+
+def test_only_the_light_differs(scenes, runs, tmp_path):
+    (tmp_path / "manifest.json").write_text(json.dumps(GENERATION.manifest()))
+    sources = SourceScenes(tmp_path, None, None)
+    lightnet = Contender(
+        "lightnet", "lightnet", "lightnet", runs / "lightnet" / "lightnet.safetensors"
+    )
+    found = measure_look_around(lightnet, {"unseen": scenes}, sources.drawn)
+    patterns = {scene.view_pattern for scene in scenes}
+    rows = {(row["views"], row["pattern"]): row for row in found["rows"]}
+    assert {pattern for _, pattern in rows} == {"all", *patterns}
+    whole = rows[100, "all"]
+    assert whole["with"]["seen"] > whole["scan"]["seen"]
+    estimator = lightnet.estimator()
+    samples = [shown(scene) for scene in scenes]
+    made = estimate_all(estimator, samples, "scans").ward
+    alone = accuracy(made, samples, estimator.predictor.card.statistics)
+    assert whole["scan"]["ward"]["overall"] == pytest.approx(alone.ward.overall)
+    assert whole["with"]["ward"]["overall"] != whole["scan"]["ward"]["overall"]
+    (tmp_path / "out").mkdir()
+    provenance = Provenance("reflest evaluate", "0", "none")
+    write_record(tmp_path / "out" / "look-around.json", provenance, found)
+    page = write_page(tmp_path / "out").read_text()
+    assert f"{whole['with']['ward']['overall']:.3f} (" in page
+
+
+def test_it_needs_the_environments(data, runs, tmp_path, capsys):
+    options = ["--out", str(tmp_path), "--runs", str(runs), "--parts", "look-around"]
+    assert main(["evaluate", str(data), *options]) == 2
+    assert "--environments" in capsys.readouterr().err
