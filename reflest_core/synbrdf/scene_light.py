@@ -28,10 +28,8 @@ def scene_light(
     surface sees it, and what has none is taken to be infinitely far. The camera's exposure is
     taken to be locked. ``looks_away``: frames that come after the views and show no object.
     """
-    is_background, directions, colours = _background(scene, views)
     light = LightMap()
-    light.add(directions[is_background], colours[is_background])
-    for directions, colours in looks_away:
+    for directions, colours in (*backgrounds(scene, views), *looks_away):
         light.add(directions, colours)
     return light.observed()
 
@@ -46,13 +44,19 @@ def light_and_gains(
     """
     gains = np.ones(len(scene.surface.view_centres), np.float32)
     light = LightMap()
-    for view, is_background, directions, colours in zip(
-        views, *_background(scene, views), strict=True
-    ):
-        gains[view] = light.add_frame(directions[is_background], colours[is_background])
+    for view, (directions, colours) in zip(views, backgrounds(scene, views), strict=True):
+        gains[view] = light.add_frame(directions, colours)
     for directions, colours in looks_away:
         light.add_frame(directions, colours)
     return light.observed(), gains
+
+
+def backgrounds(scene: SynbrdfScene, views: NDArray[np.int64]) -> list[Background]:
+    """What each of ``views`` shows beside the object."""
+    return [
+        (directions[is_background], colours[is_background])
+        for is_background, directions, colours in zip(*_background(scene, views), strict=True)
+    ]
 
 
 def _background(

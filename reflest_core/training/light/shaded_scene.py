@@ -18,11 +18,16 @@ from reflest_core.synbrdf.exposure import expose
 from reflest_core.synbrdf.realism.degrade import degrade
 from reflest_core.synbrdf.realism.settings import Realism
 from reflest_core.synbrdf.scene_file import SynbrdfScene
+from reflest_core.synbrdf.scene_light import backgrounds
 from reflest_core.training.scanned_scene import scanned
 
-FEWEST_VOXELS = 3
+FEWEST_VOXELS, FEWEST_VIEWS = 3, 5
 WITHOUT_BACKGROUND = 0.04
 """Share of training's looks in which the object fills every frame."""
+LOOKS_AROUND = 0.4
+"""Share of training's looks in which views from below show the light alone."""
+HIGHEST = 45.0
+"""Degrees of elevation, the highest from which on alone views may show the object."""
 
 
 @dataclass(frozen=True)
@@ -30,13 +35,16 @@ class SceneDraw:
     """How one look at a scene is drawn.
 
     ``views``: how many. ``exposure``: factor to the scene's own. ``realism``: faults of a real
-    capture, or none. ``sees_light``: False where no frame shows any background.
+    capture, or none. ``sees_light``: False where no frame shows any background. ``above``: degrees
+    of elevation; views from below it are as if the camera had looked away from the object, at
+    nothing but the light. None: all show it.
     """
 
     views: int
     exposure: float = 1.0
     realism: Realism | None = None
     sees_light: bool = True
+    above: float | None = None
 
 
 def training_draw(rng: np.random.Generator) -> SceneDraw:
@@ -45,7 +53,9 @@ def training_draw(rng: np.random.Generator) -> SceneDraw:
     views = int(np.exp(rng.uniform(np.log(5), np.log(101)))) if few else int(rng.integers(20, 101))
     exposure = float(np.exp(rng.normal(0.0, 0.25)))
     realism = Realism() if rng.uniform() < 0.5 else None
-    return SceneDraw(views, exposure, realism, bool(rng.uniform() >= WITHOUT_BACKGROUND))
+    sees_light = bool(rng.uniform() >= WITHOUT_BACKGROUND)
+    above = float(rng.uniform(0.0, HIGHEST)) if rng.uniform() < LOOKS_AROUND else None
+    return SceneDraw(views, exposure, realism, sees_light, above)
 
 
 def shaded(
@@ -60,13 +70,28 @@ def shaded(
         scene = degrade(scene, draw.realism, rng)
     count = len(scene.surface.view_centres)
     views = np.sort(rng.permutation(count)[: min(draw.views, count)])
-    surface = scanned(scene, views, is_exposure_locked=draw.realism is None)
+    views, aside = _parted(scene, views, draw.above)
+    surface = scanned(scene, views, draw.realism is None, backgrounds(scene, aside))
     if not draw.sees_light:
         surface = dataclasses.replace(surface, light=None)
     voxels = choose_voxels(surface, MODELS["lightnet"].voxels)
     if len(voxels) < FEWEST_VOXELS:
         return None
     return surface_shading(surface, voxels, is_completed)
+
+
+def _parted(
+    scene: SynbrdfScene, views: NDArray[np.int64], above: float | None
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Views that show the object, and those that show the light alone."""
+    if above is None:
+        return views, views[:0]
+    from_object = scene.surface.view_centres[views] - scene.surface.positions.mean(axis=0)
+    sines = from_object[:, 2] / np.linalg.norm(from_object, axis=1)
+    shows = sines > np.sin(np.radians(above))
+    if shows.sum() < FEWEST_VIEWS:
+        return views, views[:0]
+    return views[shows], views[~shows]
 
 
 def _exposed(scene: SynbrdfScene, factor: float) -> SynbrdfScene:
