@@ -35,7 +35,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument(
         "--parts", nargs="*", choices=ALL_PARTS, metavar="PART",
         help=f"which to measure, of {', '.join(ALL_PARTS)}; none: write the page alone; default: "
-        "all, but ablation only with --ablation, realism-training with --hardened, look-around "
+        "all, but ablation only with --ablation, realism-training with --unhardened, look-around "
         "with --environments",
     )  # fmt: skip
     parser.add_argument(
@@ -59,8 +59,8 @@ def add_parser(subparsers: Any) -> None:
         help="trainings of lightnet with --hold-out, with and without --without",
     )  # fmt: skip
     parser.add_argument(
-        "--hardened", type=Path, metavar="FOLDER",
-        help="variants trained with --realism, to compare with those of --runs",
+        "--unhardened", type=Path, metavar="FOLDER",
+        help="variants trained without --realism, to compare with those of --runs",
     )  # fmt: skip
     parser.add_argument(
         "--realism", nargs="*", metavar="EFFECT", help="give scenes the faults of a real capture"
@@ -90,7 +90,7 @@ def run(arguments: argparse.Namespace) -> int:
         _degradation(arguments),
         arguments.ablation,
         arguments.meshes,
-        arguments.hardened,
+        arguments.unhardened,
     )
     study = Study(settings)
     wanted = _wanted(arguments)
@@ -107,7 +107,7 @@ def _wanted(arguments: argparse.Namespace) -> list[str]:
         return list(arguments.parts)
     given = {
         "ablation": arguments.ablation,
-        "realism-training": arguments.hardened,
+        "realism-training": arguments.unhardened,
         "look-around": arguments.environments,
     }
     return [part for part in ALL_PARTS if given.get(part, True)]
@@ -134,8 +134,8 @@ def _command(arguments: argparse.Namespace) -> str:
         words.append("--runs RUNS")
     if arguments.ablation:
         words.append("--ablation ABLATION")
-    if arguments.hardened:
-        words.append("--hardened HARDENED")
+    if arguments.unhardened:
+        words.append("--unhardened UNHARDENED")
     if arguments.environments:
         words.append("--environments ENVIRONMENTS")
     if arguments.meshes:

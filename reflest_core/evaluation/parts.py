@@ -139,13 +139,13 @@ def _realism(study: Study) -> Figures:
 
 
 def _realism_training(study: Study) -> Figures:
-    folder = study.settings.hardened
+    folder = study.settings.unhardened
     if folder is None:
         raise EvaluationError(
-            "part realism-training needs --hardened FOLDER, with trainings with --realism"
+            "part realism-training needs --unhardened FOLDER, with trainings without --realism"
         )
-    hardened = [one for one in find_contenders(folder) if one.name != LIGHTNET]
-    return measure_realism_training(study.contenders, hardened, _few_clean_scenes(study))
+    unhardened = [one for one in find_contenders(folder) if one.name != LIGHTNET]
+    return measure_realism_training(study.contenders, unhardened, _few_clean_scenes(study))
 
 
 def _few_clean_scenes(study: Study) -> list[SynbrdfScene]:

@@ -17,11 +17,11 @@ from reflest_core.training.sample import Degradation, Sample
 
 
 def measure_realism_training(
-    contenders: list[Contender], hardened: list[Contender], scenes: list[SynbrdfScene]
+    contenders: list[Contender], unhardened: list[Contender], scenes: list[SynbrdfScene]
 ) -> dict[str, Any]:
     """RMSE on clean ``scenes`` and with all faults: of networks trained without and with them.
 
-    ``hardened``: trained with faults; each is compared with the contender of its name.
+    ``unhardened``: trained without faults; each is compared with the contender of its name.
     """
     degradation = Degradation(Realism.only(list(Effect)), FAULTS_SEED)
     samples = {
@@ -29,19 +29,19 @@ def measure_realism_training(
         "faults": [shown(degradation.applied(scene)) for scene in scenes],
     }
     rows = []
-    for one in hardened:
+    for one in unhardened:
         other = named(contenders, one.name)
         if other is not None and other.weights != one.weights:
             rows.append(
                 {
                     "network": one.title,
-                    "recipe": one.predictor().card.recipe,
-                    "without": _errors(other, samples),
-                    "with": _errors(one, samples),
+                    "recipe": other.predictor().card.recipe,
+                    "without": _errors(one, samples),
+                    "with": _errors(other, samples),
                 }
             )
     if not rows:
-        raise EvaluationError("--hardened holds no network that --runs has trained otherwise")
+        raise EvaluationError("--unhardened holds no network that --runs has trained otherwise")
     return {"scenes": len(scenes), "rows": rows}
 
 

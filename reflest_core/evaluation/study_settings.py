@@ -19,8 +19,8 @@ class StudySettings:
     estimated badly are rendered again. ``limit``: the first so many scenes of
     each split. ``optimised``: scenes of each split that the single-image optimiser gets.
     ``degradation``: faults that all scenes get. ``ablation``: a folder of lightnets trained with
-    one thing left out each. ``hardened``: a folder of variants trained with the faults of a real
-    capture.
+    one thing left out each. ``unhardened``: a folder of variants trained without
+    the faults of a real capture.
     """
 
     data: Path
@@ -33,4 +33,4 @@ class StudySettings:
     degradation: Degradation | None = None
     ablation: Path | None = None
     meshes: Path | None = None
-    hardened: Path | None = None
+    unhardened: Path | None = None

@@ -114,6 +114,20 @@ def test_fewer_views_know_less_of_the_light(data):
     assert few.is_seen.sum() < many.is_seen.sum()
 
 
+def test_views_from_below_may_show_the_light_alone(data):
+    scene = next(load_scenes(data, "train"))
+    from_object = scene.surface.view_centres - scene.surface.positions.mean(axis=0)
+    elevations = np.degrees(np.arcsin(from_object[:, 2] / np.linalg.norm(from_object, axis=1)))
+    middle, highest = float(np.median(elevations)), float(elevations.max())
+    every, half, none = (
+        shaded(scene, SceneDraw(12, above=above), np.random.default_rng(0))
+        for above in (None, middle, highest)
+    )
+    np.testing.assert_array_equal(half.zones[:, 3], every.zones[:, 3])
+    assert half.is_seen.sum() < every.is_seen.sum()
+    np.testing.assert_array_equal(none.apparent, every.apparent)  # too few to part with
+
+
 def test_a_longer_exposure_cancels_out_where_nothing_clips(data):
     """Apparent albedo is a ratio to the light seen by the same camera."""
     scene = next(load_scenes(data, "train"))
@@ -132,4 +146,5 @@ def test_training_looks_differ_in_views_exposure_and_faults():
     assert views.max() <= 100
     assert 0.3 < np.mean([draw.realism is not None for draw in draws]) < 0.7
     assert 0.8 < np.mean([draw.sees_light for draw in draws]) < 1.0
+    assert 0.25 < np.mean([draw.above is not None for draw in draws]) < 0.55
     assert np.std(np.log([draw.exposure for draw in draws])) == pytest.approx(0.25, abs=0.05)

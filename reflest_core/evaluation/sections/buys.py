@@ -46,11 +46,11 @@ def realism_training(record: Record) -> Lines:
         "## What training with these faults buys",
         "",
         f"RMSE on the same {record['scenes']} validation scenes, clean and with all faults, of the",
-        "paper's networks as shipped and after further training with `reflest train --realism`,",
+        "paper's networks before and after their training went on with `reflest train --realism`,",
         "which shows them every scene a second time with the faults of a real capture.",
         "",
         *table(
-            ["network", "minibatches", "clean", "trained with faults", "all faults",
+            ["network", "minibatches with faults", "clean", "trained with faults", "all faults",
              "trained with faults"],
             body,
         ),

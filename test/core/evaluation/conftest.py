@@ -33,9 +33,9 @@ def train(data, folder, name, *how):
 
 
 @pytest.fixture(scope="session")
-def hardened(data, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("hardened")
-    train(data, folder, "hemicnn-rmse1", "--realism")
+def unhardened(data, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("unhardened")
+    train(data, folder, "hemicnn-rmse1")
     return folder
 
 
@@ -43,7 +43,7 @@ def hardened(data, tmp_path_factory):
 def runs(data, tmp_path_factory):
     folder = tmp_path_factory.mktemp("runs")
     for name in TRAINED:
-        train(data, folder, name)
+        train(data, folder, name, *(["--realism"] if name == "hemicnn-rmse1" else []))
     (folder / "lightnet").mkdir()
     untrained_lightnet(folder).rename(folder / "lightnet" / "lightnet.safetensors")
     return folder

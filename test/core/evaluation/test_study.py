@@ -29,7 +29,7 @@ MEASURED = (*TRAINED, "lightnet")
 
 
 @pytest.fixture(scope="module")
-def out(data, runs, hardened, tmp_path_factory):
+def out(data, runs, unhardened, tmp_path_factory):
     """The records and page of one evaluation of everything but the quick set."""
     folder = tmp_path_factory.mktemp("results")
     effort = single_image.Effort(steps=3, starts=(0.1,))
@@ -41,7 +41,7 @@ def out(data, runs, hardened, tmp_path_factory):
         patch.setattr(parts, "FEW_SCENES", 3)
         patch.setattr(view_study, "VIEW_COUNTS", (5, 20, 30))
         wanted = [part for part in parts.PARTS if part not in ("quick", "ablation", "look-around")]
-        options = ["--out", str(folder), "--runs", str(runs), "--hardened", str(hardened)]
+        options = ["--out", str(folder), "--runs", str(runs), "--unhardened", str(unhardened)]
         options += ["--optimised", "2"]
         assert main(["evaluate", str(data), *options, "--parts", *wanted]) == 0
     return folder
@@ -107,8 +107,8 @@ def test_every_figure_of_the_page_comes_from_a_record(out):
     for row in read(out, "eight-bit")["rows"]:
         assert f"{row['eight_bit']:.4f}" in page
     assert (
-        "`reflest evaluate DATA --out docs/results --runs RUNS --hardened HARDENED --optimised 2 "
-        "--parts table-2`" in page
+        "`reflest evaluate DATA --out docs/results --runs RUNS --unhardened UNHARDENED "
+        "--optimised 2 --parts table-2`" in page
     )
 
 
@@ -118,16 +118,17 @@ def test_training_with_faults_is_compared_with_training_without(out):
     assert row["network"] == "HemiCNN, RMSE_1"
     assert len(row["recipe"]["data"]["realism"]) == 7
     of_all = {one["effect"]: one["rmse"]["hemicnn-rmse1"] for one in read(out, "realism")["rows"]}
-    assert row["without"] == {"clean": of_all["none"], "faults": of_all["all"]}
+    assert row["with"] == {"clean": of_all["none"], "faults": of_all["all"]}
     assert row["with"]["clean"] != row["without"]["clean"]
     page = (out / "index.md").read_text()
-    assert f"{row['with']['faults']:.3f} ({row['with']['faults'] - of_all['all']:+.3f})" in page
+    change = row["with"]["faults"] - row["without"]["faults"]
+    assert f"{row['with']['faults']:.3f} ({change:+.3f})" in page
 
 
-def test_hardened_networks_must_be_others(data, runs, tmp_path, capsys):
-    options = ["--out", str(tmp_path), "--runs", str(runs), "--hardened", str(runs)]
+def test_unhardened_networks_must_be_others(data, runs, tmp_path, capsys):
+    options = ["--out", str(tmp_path), "--runs", str(runs), "--unhardened", str(runs)]
     assert main(["evaluate", str(data), *options, "--parts", "realism-training"]) == 2
-    assert "--hardened holds no network" in capsys.readouterr().err
+    assert "--unhardened holds no network" in capsys.readouterr().err
 
 
 def test_every_part_of_lightnet_is_on_the_page(out):
