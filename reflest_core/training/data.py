@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from reflest_core.synbrdf.realism.settings import Effect
 from reflest_core.synbrdf.scene_file import MANIFEST
 from reflest_core.training.sample import Degradation, Sample, load_samples
 from reflest_core.training.sample_file import read_samples, save_samples
@@ -59,7 +60,8 @@ def _load(folder: Path, degradation: Degradation | None, is_first: bool = True) 
     }
     if degradation is not None:
         training += load_samples(folder, "train", degradation)
-        described["realism"] = [effect.value for effect in degradation.effects]
+        effects = [effect.value for effect in degradation.effects]
+        described["realism"] = "all" if len(effects) == len(Effect) else effects
     return TrainingData(training, validation, described)
 
 

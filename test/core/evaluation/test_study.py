@@ -116,7 +116,7 @@ def test_training_with_faults_is_compared_with_training_without(out):
     record = read(out, "realism-training")
     (row,) = record["rows"]
     assert row["network"] == "HemiCNN, RMSE_1"
-    assert len(row["recipe"]["data"]["realism"]) == 7
+    assert row["recipe"]["data"]["realism"] == "all"
     of_all = {one["effect"]: one["rmse"]["hemicnn-rmse1"] for one in read(out, "realism")["rows"]}
     assert row["with"] == {"clean": of_all["none"], "faults": of_all["all"]}
     assert row["with"]["clean"] != row["without"]["clean"]
