@@ -63,7 +63,7 @@ def _of_light(light: LightKnowledge, settings: EstimationSettings) -> Iterator[D
         yield (
             EstimateStatus.LOW_LIGHT,
             f"{share} of the surroundings that light the surface seen, below "
-            f"{settings.low_light:.0%}: show the room around the object too",
+            f"{settings.low_light:.0%}: look round the room once, up too",
         )
     if light.clipped > settings.clipped_light:
         yield (
