@@ -25,7 +25,7 @@ LONGEST_TEXT = 512
     [
         ({"voxels": 47}, EstimateStatus.FEW_VOXELS, "47 voxels.*48: scan more"),
         ({"coverage": 0.19}, EstimateStatus.LOW_COVERAGE, "19%.*20%: move around"),
-        ({"light": LightKnowledge(0.29, 0.0)}, EstimateStatus.LOW_LIGHT, "29%.*30%: show the room"),
+        ({"light": LightKnowledge(0.29, 0.0)}, EstimateStatus.LOW_LIGHT, "29%.*30%: look round"),
         ({"light": LightKnowledge(0.0, 0.0)}, EstimateStatus.LOW_LIGHT, "^none.*30%"),
         (
             {"light": LightKnowledge(0.9, 0.51)}, EstimateStatus.CLIPPED_LIGHT,
