@@ -13,6 +13,8 @@ import threading
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+ENDING = 20.0
+"""Seconds in which a process ends by itself."""
 
 
 class OwnProcess:
@@ -71,9 +73,14 @@ class OwnProcess:
         return code
 
     def end(self) -> None:
+        """Ask it to end, for what is killed leaves its shared memory behind; kill what will not."""
         if self.is_running:
-            os.killpg(self._process.pid, signal.SIGKILL)
-        self._process.wait()
+            self.interrupt()
+        try:
+            self._process.wait(ENDING)
+        except subprocess.TimeoutExpired:
+            self.interrupt(signal.SIGKILL)
+            self._process.wait()
         self._reader.join()
 
     def _read(self) -> None:
