@@ -181,14 +181,14 @@ class Scan:
 
     def _fuse_light(self, frame: Frame) -> FusedFrame:
         """Keep what a frame beside the object shows of the light that falls on it."""
-        everything = np.zeros(frame.depth.shape, np.bool_)
+        nothing = np.zeros(frame.depth.shape, np.bool_)
         known = self._known_object()
         self.light.add_frame(
-            *background_pixels(frame, everything, frame.depth, known.centre, known.radius)
+            *background_pixels(frame, nothing, frame.depth, known.centre, known.radius)
         )
         return FusedFrame(
             frame.stamp_ns, frame.frame_id, None, False, False,
-            *foreground_background_means(frame.rgb, everything), 0, 0, 0, 0, 0, is_light_alone=True,
+            *foreground_background_means(frame.rgb, nothing), 0, 0, 0, 0, 0, is_light_alone=True,
         )  # fmt: skip
 
     def snapshot(self) -> ObservedSurface:
