@@ -12,6 +12,7 @@ JPEG_MAGIC = b"\xff\xd8\xff"
 JPEG_END = b"\xff\xd9"
 # Start-of-frame markers carry the size; C4, C8 and CC share the range but mean other things.
 START_OF_FRAME = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+FRAME_HEADER = 10  # bytes from its marker to the number of channels
 PNG_CHANNELS = {0: 1, 2: 3, 3: 3, 4: 2, 6: 4}  # by colour type; a palette unpacks to three
 
 
@@ -48,7 +49,7 @@ def _read_png(data: bytes) -> CompressedHeader | None:
 
 def _read_jpeg(data: bytes) -> CompressedHeader | None:
     position = 2
-    while position + 9 <= len(data):
+    while position + FRAME_HEADER <= len(data):
         if data[position] != 0xFF:
             return None
         marker = data[position + 1]

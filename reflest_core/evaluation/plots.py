@@ -65,17 +65,22 @@ def draw_reliability(path: Path, record: dict[str, Any]) -> None:
 
 
 def draw_time_accuracy(path: Path, record: dict[str, Any]) -> None:
-    """Error against the median time of an estimate; numbers are voxels."""
+    """Error with its interval against the median time of an estimate; numbers are voxels."""
     figure = new_figure(5.6, 3.4)
     axes = figure.subplots()
     times = [point["median_ms"] for point in record["points"]]
     errors = [point["rmse"] for point in record["points"]]
+    lows, highs = (
+        [point["over_scenes"][end] for point in record["points"]] for end in ("low", "high")
+    )
+    axes.vlines(times, lows, highs, color=CURVES["lightnet"], alpha=0.4)
     axes.plot(times, errors, "o-", color=CURVES["lightnet"])
-    for point in record["points"]:
-        place = (point["median_ms"], point["rmse"])
-        axes.annotate(str(point["voxels"]), place, (4, 4), textcoords="offset points")
+    for point, high in zip(record["points"], highs, strict=True):
+        place = (point["median_ms"], high)
+        axes.annotate(str(point["voxels"]), place, (0, 4), textcoords="offset points", ha="center")
     axes.set(xlabel="ms an estimate, one thread", ylabel="normalised RMSE, validation")
-    axes.set(xlim=(0, None), ylim=(0, 1.15 * max(errors)))
+    axes.margins(x=0.15)
+    axes.set_ylim(0, 1.15 * max(highs))
     figure.savefig(path, dpi=100)
 
 
