@@ -46,8 +46,9 @@ def realism_training(record: Record) -> Lines:
         "## What training with these faults buys",
         "",
         f"RMSE on the same {record['scenes']} validation scenes, clean and with all faults, of the",
-        "paper's networks before and after their training went on with `reflest train --realism`,",
-        "which shows them every scene a second time with the faults of a real capture.",
+        "paper's networks trained without faults and with `reflest train --realism`, which shows",
+        "them every scene a second time with the faults of a real capture. Minibatches are of the",
+        "last training; what it started from had more.",
         "",
         *table(
             ["network", "minibatches with faults", "clean", "trained with faults", "all faults",
