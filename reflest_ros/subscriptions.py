@@ -20,6 +20,8 @@ from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.errors import ReflestError
 from reflest_ros.input_topics import InputTopic, input_topics
+from reflest_ros.message_info import with_message_info
+from reflest_ros.publication_gaps import PublicationGaps
 from reflest_ros.qos_problem import qos_problem, unseen_problem
 from reflest_ros.settings import NodeSettings
 
@@ -127,7 +129,13 @@ class Inputs:
         self._subscriptions.clear()
 
     def _subscribed(self, topic: InputTopic, state: Input, sink: MessageSink) -> Subscription:
-        def on_message(message: Any) -> None:
+        gaps = PublicationGaps()
+
+        @with_message_info
+        def on_message(message: Any, info: dict[str, Any]) -> None:
+            lost = gaps.lost_before(info["publication_sequence_number"])
+            if lost and self._node.count_publishers(topic.name) == 1:
+                _refuse_lost(topic.name, lost, sink)
             converted = topic.convert(message)
             state.take(converted)
             sink.offer(topic.role, converted)
@@ -135,8 +143,7 @@ class Inputs:
         return self._node.create_subscription(
             topic.message_type, topic.name, on_message, topic.qos,
             event_callbacks=SubscriptionEventCallbacks(
-                incompatible_qos=lambda event: self._on_incompatible_qos(topic, state, event),
-                message_lost=lambda event: _refuse_lost(topic.name, event.total_count_change, sink),
+                incompatible_qos=lambda event: self._on_incompatible_qos(topic, state, event)
             ),
             qos_overriding_options=QoSOverridingOptions(OVERRIDABLE),
         )  # fmt: skip
@@ -155,7 +162,7 @@ class Inputs:
 
 
 def _refuse_lost(topic: str, count: int, sink: MessageSink) -> None:
-    """Count messages that the middleware noticed to be missing."""
+    """Count messages that are missing between two that came."""
     for _ in range(count):
         sink.refuse(
             FrameRefused(

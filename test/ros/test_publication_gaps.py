@@ -1,0 +1,60 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""What is missing between a publisher's numbers, and how callbacks learn the numbers."""
+
+from __future__ import annotations
+
+import pytest
+import rclpy
+from hypothesis import given
+from hypothesis import strategies as st
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.experimental import EventsExecutor
+from std_msgs.msg import String
+
+from reflest_ros.message_info import with_message_info
+from reflest_ros.publication_gaps import PublicationGaps
+
+
+@given(st.integers(1, 2**40), st.sets(st.integers(1, 200)))
+def test_every_number_between_two_that_came_is_lost(first, kept):
+    gaps = PublicationGaps()
+    came = [first, *(first + one for one in sorted(kept))]
+    lost = sum(gaps.lost_before(number) for number in came)
+    assert lost == came[-1] - first + 1 - len(came)
+
+
+def test_a_publisher_that_begins_anew_lost_nothing():
+    gaps = PublicationGaps()
+    assert [gaps.lost_before(number) for number in (7, 8, 1, 2, 4)] == [0, 0, 0, 0, 1]
+
+
+def test_a_middleware_without_numbers_tells_of_no_loss():
+    gaps = PublicationGaps()
+    assert [gaps.lost_before(number) for number in (None, 5, None, 9)] == [0, 0, 0, 0]
+
+
+@pytest.mark.parametrize("make", [SingleThreadedExecutor, EventsExecutor])
+def test_each_executor_tells_the_numbers(make, domain_id):
+    context = Context()
+    rclpy.init(context=context, domain_id=domain_id)
+    node = rclpy.create_node("listener", context=context)
+    came = []
+
+    @with_message_info
+    def on_message(message, info):
+        came.append((message.data, info["publication_sequence_number"]))
+
+    node.create_subscription(String, "words", on_message, 10)
+    output = node.create_publisher(String, "words", 10)
+    executor = make(context=context)
+    executor.add_node(node)
+    for word in ("one", "two", "three"):
+        output.publish(String(data=word))
+    while len(came) < 3:
+        executor.spin_once(timeout_sec=10.0)
+    executor.shutdown()
+    node.destroy_node()
+    context.try_shutdown()
+    assert came == [("one", 1), ("two", 2), ("three", 3)]
