@@ -8,6 +8,7 @@ import dataclasses
 import enum
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reflest_core.synbrdf.exposure import auto_exposure, expose
 from reflest_core.synbrdf.realism.view_images import with_gains
@@ -46,3 +47,15 @@ def remetered(scene: SynbrdfScene, metering: Metering) -> SynbrdfScene:
 def object_exposure(thumbnails: Thumbnails) -> float:
     """:func:`.auto_exposure` of the object's pixels in all views together."""
     return auto_exposure(thumbnails.radiance()[thumbnails.is_object])
+
+
+def mean_colours(
+    images: NDArray[np.uint8], is_foreground: NDArray[np.bool_]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """F and B (W, 3), mean 8-bit colour of (W, P, 3) images; NaN where there is no such pixel."""
+    with np.errstate(invalid="ignore"):
+        means = [
+            np.where(part[..., None], images, 0).sum(axis=1) / part.sum(axis=1)[:, None]
+            for part in (is_foreground, ~is_foreground)
+        ]
+    return means[0].astype(np.float32), means[1].astype(np.float32)

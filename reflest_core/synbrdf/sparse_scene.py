@@ -18,6 +18,7 @@ from reflest_core.brdf.parameters import WardParameters
 from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.synbrdf.exposure import auto_exposure, expose
+from reflest_core.synbrdf.metering import mean_colours
 from reflest_core.synbrdf.mitsuba_scene import RadianceTracer, first_hits, mitsuba_scene
 from reflest_core.synbrdf.room.depth_view import room_sight
 from reflest_core.synbrdf.room.room_scene import RoomBuilder
@@ -170,18 +171,6 @@ def visible_pairs(
     hit = first_hits(rendered, centres[view_of], _unit(separation))
     seen = np.abs(hit - distance) < VISIBLE_TOLERANCE
     return point_of[seen], view_of[seen]
-
-
-def mean_colours(
-    images: NDArray[np.uint8], is_foreground: NDArray[np.bool_]
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """F and B (W, 3), mean 8-bit colour of (W, P, 3) images; NaN where there is no such pixel."""
-    with np.errstate(invalid="ignore"):
-        means = [
-            np.where(part[..., None], images, 0).sum(axis=1) / part.sum(axis=1)[:, None]
-            for part in (is_foreground, ~is_foreground)
-        ]
-    return means[0].astype(np.float32), means[1].astype(np.float32)
 
 
 def _unit(vectors: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -8,6 +8,7 @@ import pytest
 from reflest_core.brdf import ward
 from reflest_core.brdf.parameters import WardParameters, WardVariant
 from reflest_core.environment.equirectangular import equirectangular_directions
+from reflest_core.synbrdf import metering
 from reflest_core.synbrdf.environment_lookup import radiance_from
 from test.synbrdf.spheres import icosphere, joined
 
@@ -136,7 +137,7 @@ def test_mean_colours_of_object_and_background():
         [[[10, 20, 30], [30, 40, 50], [200, 100, 0]], [[1, 2, 3], [4, 5, 6], [7, 8, 9]]], np.uint8
     )
     is_foreground = np.array([[True, True, False], [False, False, False]])
-    foreground, background = sparse_scene.mean_colours(images, is_foreground)
+    foreground, background = metering.mean_colours(images, is_foreground)
     np.testing.assert_array_equal(foreground[0], [20, 30, 40])
     assert np.isnan(foreground[1]).all()
     np.testing.assert_array_equal(background, [[200, 100, 0], [4, 5, 6]])

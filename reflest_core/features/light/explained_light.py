@@ -12,15 +12,22 @@ from numpy.typing import NDArray
 from reflest_core.features.light.completion import LightPyramid, complete, levels_below
 from reflest_core.features.light.diffuse_colours import diffuse_colours
 from reflest_core.features.light.gloss_fit import GlossFit, fit_gloss
-from reflest_core.features.light.irradiance import DARKEST, cosine_weights, weighted_radiance
+from reflest_core.features.light.irradiance import (
+    DARKEST,
+    Incoming,
+    incoming,
+    weighted_radiance,
+)
 from reflest_core.features.light.light_from_reflections import infer_light_by_gloss
 from reflest_core.features.light.light_from_shading import InferredLight, infer_light
-from reflest_core.features.light.light_patches import diffuse_response, patch_image
+from reflest_core.features.light.light_patches import diffuse_response
 from reflest_core.features.light.light_prior import EVEN, FREE
 from reflest_core.features.light.material_fit import MaterialFit, fit_material
+from reflest_core.features.light.patch_grid import patch_image
 from reflest_core.features.light.reflected_detail import reflected_detail
 from reflest_core.features.light.reflected_patches import reflection
 from reflest_core.features.light.surface_sample import SurfaceSample, sampled
+from reflest_core.features.light.visibility import Occluders, Sight
 from reflest_core.features.light.ward_lobe import lobe_radiance
 from reflest_core.features.voxel_choice import choose_voxels
 from reflest_core.fusion.light_map import ObservedLight
@@ -36,8 +43,8 @@ class Explanation:
     """What was found, and what it was found from.
 
     ``filled``, ``light``: the light after pull and push alone, and as the surface completes it.
-    ``weights``: :func:`.cosine_weights` of D voxels, ``colours``: (D, 3) of theirs, linear, without
-    highlights.
+    ``incoming``: of D voxels, ``colours``: (D, 3) of theirs, linear, without highlights.
+    ``occluders``: what the object hides of the light.
     ``sample``: the observations that the material was fitted to, ``lobes``: (O, K, 5) the light in
     their lobes. ``inferred``: the light by the diffuse colours, by the observations with their
     gloss, and by the diffuse colours with a free prior. ``gloss``: by what was seen alone.
@@ -46,7 +53,8 @@ class Explanation:
 
     filled: LightPyramid
     light: LightPyramid
-    weights: NDArray[np.float32]
+    incoming: Incoming
+    occluders: Occluders
     colours: NDArray[np.float32]
     sample: SurfaceSample
     lobes: NDArray[np.float32]
@@ -56,29 +64,43 @@ class Explanation:
     detail: NDArray[np.float32]
 
 
-def explain(surface: ObservedSurface, light: ObservedLight) -> Explanation:
-    """Explain ``surface``'s colours by ``light`` where it was seen and by the least else."""
+def explain(
+    surface: ObservedSurface, light: ObservedLight, has_visibility: bool = True
+) -> Explanation:
+    """Explain ``surface``'s colours by ``light`` where it was seen and by the least else.
+
+    Unless it ``has_visibility``, the object hides nothing from itself (an ablation).
+    """
     filled = complete(light)
     voxels = thinned(surface.observation_counts, SHADED)
     colours = diffuse_colours(surface, voxels)
-    weights = cosine_weights(surface.normals[voxels])
-    response = diffuse_response(light, filled, weights)
+    hiding = voxels if has_visibility else voxels[:0]
+    occluders = Occluders.of(
+        surface.positions[hiding], surface.normals[hiding], colours.mean(axis=0)
+    )
+    sight = occluders.sight(surface.positions[voxels], surface.normals[voxels])
+    arriving = incoming(surface.normals[voxels], sight)
+    response = diffuse_response(light, filled, arriving)
     sample = sampled(surface, choose_voxels(surface, SAMPLED))
     first, free = infer_light(response, colours, (EVEN, FREE))
+    sight = occluders.sight(surface.positions[sample.voxels], sample.normals)
+    of_observations = sight.of(sample.voxel_of)
     normals_of_sample = sample.normals[sample.voxel_of]
-    lobes = lobe_radiance(filled, normals_of_sample, sample.directions)
+    lobes = lobe_radiance(filled, normals_of_sample, sample.directions, of_observations)
     gloss = fit_gloss(sample.colours, sample.clipped, lobes, sample.voxel_of)
-    mirrored = reflection(filled, gloss.roughness, normals_of_sample, sample.directions)
-    of_sample = cosine_weights(sample.normals)
+    mirrored = reflection(
+        filled, gloss.roughness, normals_of_sample, sample.directions, of_observations
+    )
+    of_sample = incoming(sample.normals, sight)
     whole = infer_light_by_gloss(
         sample, diffuse_response(light, filled, of_sample), mirrored, gloss, first.albedo
     )
     final = completed(light, filled, whole)
-    material, lobes = _material(sample, of_sample, final)
+    material, lobes = _material(sample, of_sample, of_observations, final)
     detail = reflected_detail(surface, voxels)
     return Explanation(
-        filled, final, weights, colours, sample, lobes, (first, whole, free), gloss, material,
-        detail,
+        filled, final, arriving, occluders, colours, sample, lobes, (first, whole, free), gloss,
+        material, detail,
     )  # fmt: skip
 
 
@@ -93,10 +115,10 @@ def completed(light: ObservedLight, filled: LightPyramid, found: InferredLight) 
 
 
 def _material(
-    sample: SurfaceSample, weights: NDArray[np.float32], light: LightPyramid
+    sample: SurfaceSample, arriving: Incoming, sight: Sight, light: LightPyramid
 ) -> tuple[MaterialFit, NDArray[np.float32]]:
-    diffuse = np.maximum(weighted_radiance(light, weights)[:, :3], DARKEST)
-    lobes = lobe_radiance(light, sample.normals[sample.voxel_of], sample.directions)
+    diffuse = np.maximum(weighted_radiance(light, arriving)[:, :3], DARKEST)
+    lobes = lobe_radiance(light, sample.normals[sample.voxel_of], sample.directions, sight)
     of_observation = diffuse[sample.voxel_of]
     brightness = np.minimum(of_observation / np.maximum(diffuse.mean(axis=0), DARKEST), 1.0)
     fit = fit_material(

@@ -4,12 +4,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.features.light.completion import LightPyramid
+from reflest_core.features.light.patch_grid import patches_of_texels
+from reflest_core.features.light.visibility import Sight
 from reflest_core.fusion.octahedral import octahedral_directions, octahedral_solid_angles
 
 DARKEST = 1e-4
@@ -18,23 +21,52 @@ SIZE = 24
 """Edge of the pyramid's level that is summed: 8 degrees a texel, plenty for a cosine."""
 
 
-def mean_radiance(light: LightPyramid, normals: NDArray[np.float32]) -> NDArray[np.float32]:
+@dataclass(frozen=True)
+class Incoming:
+    """From where light comes to V voxels, weighted by cosine.
+
+    ``weights``: (V, SIZE * SIZE), the share of each texel's radiance in ``E(n) / pi``. ``hidden``:
+    (V,), the share of what the object hides; with the weights it sums to 1. ``own``: (V, 3), what
+    the object sends from there.
+    """
+
+    weights: NDArray[np.float32]
+    hidden: NDArray[np.float32]
+    own: NDArray[np.float32]
+
+
+def incoming(normals: NDArray[np.float32], sight: Sight | None = None) -> Incoming:
+    """For unit ``normals`` (V, 3) with the ``sight`` of their voxels; without, nothing is hidden."""
+    weights = _cosine_weights(normals)
+    if sight is None:
+        nothing = np.zeros(len(normals), np.float32)
+        return Incoming(weights, nothing, np.zeros((len(normals), 3), np.float32))
+    weights = weights * sight.visible[:, patches_of_texels(SIZE)]
+    hidden = np.maximum(np.float32(1.0) - weights.sum(axis=1), np.float32(0.0))
+    return Incoming(weights, hidden, hidden[:, None] * sight.own)
+
+
+def mean_radiance(
+    light: LightPyramid, normals: NDArray[np.float32], sight: Sight | None = None
+) -> NDArray[np.float32]:
     """(V, 5) for unit ``normals`` (V, 3): cosine-weighted means over the hemisphere.
 
     The first three are ``E(n) / pi``, the radiance that a white Lambertian surface would send back;
-    then the seen share and the clipped share of the light that falls on it. No visibility: the
-    surface itself hides nothing.
+    then the seen share and the clipped share of the light that falls on it.
     """
-    return weighted_radiance(light, cosine_weights(normals))
+    return weighted_radiance(light, incoming(normals, sight))
 
 
-def weighted_radiance(light: LightPyramid, weights: NDArray[np.float32]) -> NDArray[np.float32]:
-    """The same for normals whose :func:`cosine_weights` are known, (V, SIZE * SIZE)."""
+def weighted_radiance(light: LightPyramid, arriving: Incoming) -> NDArray[np.float32]:
+    """The same where it is known from where light comes; the object itself counts as seen."""
     level = next(level for level in light.levels if len(level) == SIZE)
-    return np.asarray(weights @ level.reshape(-1, 5), np.float32)
+    mean = np.asarray(arriving.weights @ level.reshape(-1, 5), np.float32)
+    mean[:, :3] += arriving.own
+    mean[:, 3] += arriving.hidden
+    return mean
 
 
-def cosine_weights(normals: NDArray[np.float32]) -> NDArray[np.float32]:
+def _cosine_weights(normals: NDArray[np.float32]) -> NDArray[np.float32]:
     """(V, SIZE * SIZE): share of each texel's radiance in ``E(n) / pi``; each row sums to 1."""
     directions, angles = _sphere()
     weights = np.maximum(normals @ directions.T, 0.0) * angles

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.features.light.light_patches import PATCHES, PatchResponse
+from reflest_core.features.light.light_patches import PatchResponse
 from reflest_core.features.light.light_prior import (
     ALBEDO,
     EVEN,
@@ -24,6 +24,7 @@ from reflest_core.features.light.light_prior import (
     log_albedo_deviation,
     which_matter,
 )
+from reflest_core.features.light.patch_grid import PATCHES
 
 NOISE, DARK_NOISE = 0.07, 0.01
 """Standard deviation of a colour about the model: share of itself, and of the brightest."""

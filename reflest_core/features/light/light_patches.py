@@ -5,19 +5,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.features.light.completion import LightPyramid, halved
-from reflest_core.features.light.irradiance import SIZE
+from reflest_core.features.light.irradiance import SIZE, Incoming
+from reflest_core.features.light.patch_grid import texels_of_patches
 from reflest_core.fusion.light_map import ObservedLight
-
-EDGE = 6
-"""Patches along an edge of the octahedral map: 34 degrees each, in the mean."""
-PATCHES = EDGE * EDGE
 
 
 @dataclass(frozen=True)
@@ -43,42 +39,27 @@ class PatchResponse:
 
 
 def diffuse_response(
-    light: ObservedLight, filled: LightPyramid, weights: NDArray[np.float32]
+    light: ObservedLight, filled: LightPyramid, incoming: Incoming
 ) -> PatchResponse:
     """How a matte white surface would answer to each part of the light.
 
-    ``weights``: :func:`.cosine_weights` (V, SIZE * SIZE) of its normals. ``filled``: the same light
-    after pull and push. No visibility: the surface hides nothing.
+    ``filled``: the same light after pull and push. What comes from the surface itself counts as
+    seen.
     """
     seen = light.radiance * light.coverage[..., None]
     while len(seen) > SIZE:
         seen = halved(seen)
     level = next(level for level in filled.levels if len(level) == SIZE)
     added = np.maximum(level[..., :3] - seen, 0.0)
-    by_patch = weights[:, texels_of_patches()]
+    by_patch = incoming.weights[:, texels_of_patches(SIZE)]
     return PatchResponse(
-        seen=np.asarray(weights @ seen.reshape(-1, 3), np.float32),
+        seen=np.asarray(incoming.weights @ seen.reshape(-1, 3) + incoming.own, np.float32),
         unseen=_summed(by_patch, added.reshape(-1, 3)),
         excess=_summed(by_patch, level[..., 4:].reshape(-1, 1))[..., 0],
     )
 
 
-def patch_image(values: NDArray[np.float32], size: int) -> NDArray[np.float32]:
-    """Values of patches (P, C) as an octahedral map (size, size, C)."""
-    image = values.reshape(EDGE, EDGE, -1)
-    times = size // EDGE
-    return np.repeat(np.repeat(image, times, axis=0), times, axis=1)
-
-
-@cache
-def texels_of_patches() -> NDArray[np.int64]:
-    """(P, T) indices into the flattened level, T texels to a patch."""
-    times = SIZE // EDGE
-    indices = np.arange(SIZE * SIZE).reshape(EDGE, times, EDGE, times)
-    return indices.transpose(0, 2, 1, 3).reshape(PATCHES, times * times)
-
-
 def _summed(by_patch: NDArray[np.float32], texels: NDArray[np.float32]) -> NDArray[np.float32]:
     """(V, P, T) weights and (SIZE * SIZE, C) values to (V, P, C)."""
-    values = texels[texels_of_patches()]
+    values = texels[texels_of_patches(SIZE)]
     return np.asarray((by_patch.transpose(1, 0, 2) @ values).transpose(1, 0, 2), np.float32)

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.features.light.light_patches import PATCHES
 from reflest_core.features.light.nonnegative import nonnegative_minimum
+from reflest_core.features.light.patch_grid import PATCHES
 
 ALBEDO = (0.3, 0.4)
 """Prior mean and standard deviation of ``rho_d``."""

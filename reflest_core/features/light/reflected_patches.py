@@ -4,12 +4,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.features.light.completion import LightPyramid
-from reflest_core.features.light.light_patches import EDGE, PatchResponse
+from reflest_core.features.light.light_patches import PatchResponse
 from reflest_core.features.light.mirrored_texels import mirrored_texels, vector
+from reflest_core.features.light.patch_grid import PATCHES, patches_of_texels
+from reflest_core.features.light.visibility import Sight
 from reflest_core.features.light.ward_lobe import HALF_VECTORS, LEVELS
 from reflest_core.features.tangent_frame import tangent_frame
 from reflest_core.jit import compiled, kernel_array
@@ -20,15 +24,20 @@ def reflection(
     roughness: int,
     normals: NDArray[np.float32],
     directions: NDArray[np.float32],
+    sight: Sight | None = None,
 ) -> PatchResponse:
     """Lobes of ``ROUGHNESSES[roughness]`` about ``normals``, seen from ``directions``, (O, 3) unit.
 
-    ``filled``: the light after pull and push.
+    ``filled``: the light after pull and push. ``sight``: of the O observations; without, the
+    object hides nothing. What comes from the object itself counts as seen.
     """
+    sight = sight or Sight.open(len(normals))
+    light = filled.levels[LEVELS[roughness]]
     return PatchResponse(
         *_gather(
-            filled.levels[LEVELS[roughness]], HALF_VECTORS[roughness],
-            kernel_array(normals, np.float32), kernel_array(directions, np.float32), EDGE,
+            light.reshape(-1, 5), patches_of_texels(len(light)), HALF_VECTORS[roughness],
+            kernel_array(normals, np.float32), kernel_array(directions, np.float32),
+            kernel_array(sight.visible, np.float32), kernel_array(sight.own, np.float32), PATCHES,
         )
     )  # fmt: skip
 
@@ -36,12 +45,15 @@ def reflection(
 @compiled
 def _gather(
     light: NDArray[np.float32],
+    patch_of: NDArray[np.int64],
     half_vectors: NDArray[np.float32],
     normals: NDArray[np.float32],
     directions: NDArray[np.float32],
-    edge: int,
+    visible: NDArray[np.float32],
+    own: NDArray[np.float32],
+    patches: int,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
-    size, samples, patches = len(light), half_vectors.shape[1], edge * edge
+    size, samples = int(math.sqrt(len(light))), half_vectors.shape[1]
     seen = np.zeros((len(normals), 3), np.float32)
     unseen = np.zeros((len(normals), patches, 3), np.float32)
     excess = np.zeros((len(normals), patches), np.float32)
@@ -51,13 +63,15 @@ def _gather(
         n, o = vector(normals, observation), vector(directions, observation)
         mirrored_texels(frame, n, o, half_vectors, size, weights, texels)
         for sample in range(samples):
+            texel = texels[sample]
+            patch = patch_of[texel]
             share = weights[sample] / samples
-            row, column = texels[sample] // size, texels[sample] % size
-            patch = (row * edge // size) * edge + column * edge // size
-            hidden = share * (1.0 - light[row, column, 3])
+            arriving = share * visible[observation, patch]
+            unknown = arriving * (1.0 - light[texel, 3])
             for channel in range(3):
-                radiance = light[row, column, channel]
-                unseen[observation, patch, channel] += hidden * radiance
-                seen[observation, channel] += (share - hidden) * radiance
-            excess[observation, patch] += share * light[row, column, 4]
+                radiance = light[texel, channel]
+                unseen[observation, patch, channel] += unknown * radiance
+                seen[observation, channel] += (arriving - unknown) * radiance
+                seen[observation, channel] += (share - arriving) * own[channel]
+            excess[observation, patch] += arriving * light[texel, 4]
     return seen, unseen, excess

@@ -81,7 +81,7 @@ def _of_light(light: InferredLight) -> Array:
 def _of_shading(found: Explanation) -> Array:
     """(3, 14): ratios of colour to light over the surface, the light's strength and contrast."""
     seen, whole = (
-        np.maximum(weighted_radiance(light, found.weights)[:, :3], DARKEST)
+        np.maximum(weighted_radiance(light, found.incoming)[:, :3], DARKEST)
         for light in (found.filled, found.light)
     )
     by_fill, by_whole = (_log(found.colours / light) for light in (seen, whole))
@@ -148,7 +148,7 @@ def _of_coverage(found: Explanation) -> Array:
     """(12,): seen and clipped shares of the sphere, of diffuse light and of some lobes' light."""
     fine = found.filled.levels[0]
     angles = octahedral_solid_angles(len(fine))[..., None] / (4.0 * np.pi)
-    diffuse = weighted_radiance(found.light, found.weights)[:, 3:]
+    diffuse = weighted_radiance(found.light, found.incoming)[:, 3:]
     lobes = found.lobes[:, _PROBED, 3:].mean(axis=0)
     return np.concatenate(
         [(fine[..., 3:] * angles).sum(axis=(0, 1)), diffuse.mean(axis=0), diffuse.std(axis=0),

@@ -63,19 +63,23 @@ def shading(
     surface: ObservedSurface,
     light: ObservedLight,
     voxels: NDArray[np.int64],
-    is_completed: bool = True,
+    without: tuple[str, ...] = (),
 ) -> Shading:
     """What the light explains of the observations of ``voxels``, indices into ``surface``.
 
-    Unless ``is_completed``, the light is left as pull and push filled it (an ablation).
+    ``without``: for ablations. "completion" leaves the light as pull and push filled it,
+    "visibility" lets the object hide nothing from itself.
     """
-    found = explain(surface, light)
-    if not is_completed:
+    found = explain(surface, light, "visibility" not in without)
+    if "completion" in without:
         found = dataclasses.replace(found, light=found.filled)
     sample = sampled(surface, voxels)
-    diffuse = mean_radiance(found.light, sample.normals)
+    sight = found.occluders.sight(surface.positions[voxels], sample.normals)
+    diffuse = mean_radiance(found.light, sample.normals, sight)
     diffuse_light = np.maximum(diffuse[:, :3], DARKEST)
-    lobes = lobe_radiance(found.light, sample.normals[sample.voxel_of], sample.directions)
+    lobes = lobe_radiance(
+        found.light, sample.normals[sample.voxel_of], sample.directions, sight.of(sample.voxel_of)
+    )
     of_observation = diffuse_light[sample.voxel_of]
     is_seen = sample.spread(np.ones(len(sample.voxel_of), np.float32))
     apparent = sample.spread(sample.colours / of_observation)

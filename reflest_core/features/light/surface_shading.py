@@ -19,13 +19,16 @@ ASSUMED_COVERAGE = 1e-3
 
 
 def surface_shading(
-    surface: ObservedSurface, voxels: NDArray[np.int64], is_completed: bool = True
+    surface: ObservedSurface, voxels: NDArray[np.int64], without: tuple[str, ...] = ()
 ) -> Shading:
-    """The shading of ``voxels`` by ``surface.light``; by :func:`assumed_light` if none was seen."""
+    """The shading of ``voxels`` by ``surface.light``; by :func:`assumed_light` if none was seen.
+
+    ``without``: see :func:`~reflest_core.features.light.shading.shading`.
+    """
     light = surface.light
     if light is None or not light.coverage.any():
         light = assumed_light(surface)
-    return shading(surface, light, voxels, is_completed)
+    return shading(surface, light, voxels, without)
 
 
 def assumed_light(surface: ObservedSurface) -> ObservedLight:

@@ -5,14 +5,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.features.light.completion import LightPyramid
 from reflest_core.features.light.mirrored_texels import mirrored_texels, vector
+from reflest_core.features.light.patch_grid import patches_of_texels
+from reflest_core.features.light.visibility import Sight
 from reflest_core.features.tangent_frame import tangent_frame
-from reflest_core.jit import compiled
+from reflest_core.jit import compiled, kernel_array
 
 ROUGHNESSES = (0.01, 0.03, 0.06, 0.09, 0.12, 0.15, 0.18, 0.21)
 """Of SynBRDF's materials, evenly; alpha, dimensionless."""
@@ -22,34 +25,72 @@ RINGS, SECTORS = 5, 4
 
 
 def lobe_radiance(
-    light: LightPyramid, normals: NDArray[np.float32], directions: NDArray[np.float32]
+    light: LightPyramid,
+    normals: NDArray[np.float32],
+    directions: NDArray[np.float32],
+    sight: Sight | None = None,
 ) -> NDArray[np.float32]:
     """(O, K, 5) for every observation and every one of K roughnesses.
 
     ``normals`` and ``directions`` (towards the camera): (O, 3) unit. The first three are the
-    radiance reflected at ``rho_s = 1``; then the seen and the clipped share of the lobe.
+    radiance reflected at ``rho_s = 1``; then the seen and the clipped share of the lobe. ``sight``:
+    of the O observations; without, the object hides nothing of the light. What it sends itself
+    counts as seen.
     Half vectors are stratified over the lobe, ``tan theta_h = alpha sqrt(-ln(1 - u))``, and weigh
     ``(omega_o . h) cos^3 theta_h sqrt(cos theta_i / cos theta_o)``, which is f / pdf for Eq. 1.
     """
+    sight = sight or Sight.open(len(normals))
     fine, middle, coarse = (level.reshape(-1, 5) for level in light.levels[:3])
+    sizes = [len(level) for level in light.levels[:3]]
     return _gather(
-        fine, middle, coarse, np.array(LEVELS), HALF_VECTORS,
-        np.ascontiguousarray(normals, np.float32), np.ascontiguousarray(directions, np.float32),
+        fine, middle, coarse, patches_of_texels(sizes[0]), patches_of_texels(sizes[1]),
+        patches_of_texels(sizes[2]), np.array(LEVELS), HALF_VECTORS,
+        kernel_array(normals, np.float32), kernel_array(directions, np.float32),
+        kernel_array(sight.visible, np.float32), kernel_array(sight.own, np.float32),
     )  # fmt: skip
 
 
-def half_vectors() -> NDArray[np.float32]:
-    """(K, 3, 20) unit, in the tangent frame with +z on the normal."""
-    ring, sector = np.meshgrid(np.arange(RINGS), np.arange(SECTORS), indexing="ij")
-    turn = (2.0 * math.pi * (sector + 0.6 * ring) / SECTORS).ravel()
-    slope = np.sqrt(-np.log(1.0 - (ring.ravel() + 0.5) / RINGS))
-    polar = np.arctan(np.array(ROUGHNESSES)[:, None] * slope)
+def reflected(
+    light: LightPyramid,
+    alpha: float,
+    normals: NDArray[np.float32],
+    directions: NDArray[np.float32],
+    rings: int = 8,
+    sectors: int = 8,
+) -> NDArray[np.float32]:
+    """(O, 3): what a surface that only shines, with ``rho_s = 1`` and this ``alpha``, sends back.
+
+    As :func:`lobe_radiance`, from more half vectors and at the resolution that their spacing asks.
+    """
+    half = half_vectors((alpha,), rings, sectors)
+    spacing = 4.0 * alpha / math.sqrt(rings * sectors)
+    texel = math.sqrt(4.0 * math.pi) / len(light.levels[0])
+    coarseness = int(np.clip(math.log2(max(spacing / texel, 1.0)), 0, 2))
+    level = light.levels[coarseness].reshape(-1, 5)
+    patches = patches_of_texels(len(light.levels[coarseness]))
+    sight = Sight.open(len(normals))
+    gathered = _gather(
+        level, level, level, patches, patches, patches, np.array([0]), half,
+        kernel_array(normals, np.float32), kernel_array(directions, np.float32),
+        sight.visible, sight.own,
+    )  # fmt: skip
+    return gathered[:, 0, :3]
+
+
+def half_vectors(
+    alphas: Sequence[float], rings: int = RINGS, sectors: int = SECTORS
+) -> NDArray[np.float32]:
+    """(K, 3, S) unit, in the tangent frame with +z on the normal; S = rings * sectors."""
+    ring, sector = np.meshgrid(np.arange(rings), np.arange(sectors), indexing="ij")
+    turn = (2.0 * math.pi * (sector + 0.6 * ring) / sectors).ravel()
+    slope = np.sqrt(-np.log(1.0 - (ring.ravel() + 0.5) / rings))
+    polar = np.arctan(np.array(alphas)[:, None] * slope)
     return np.stack(
         [np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar)], axis=1
     ).astype(np.float32)
 
 
-HALF_VECTORS = half_vectors()
+HALF_VECTORS = half_vectors(ROUGHNESSES)
 
 
 @compiled
@@ -57,10 +98,15 @@ def _gather(
     fine: NDArray[np.float32],
     middle: NDArray[np.float32],
     coarse: NDArray[np.float32],
+    fine_patches: NDArray[np.int64],
+    middle_patches: NDArray[np.int64],
+    coarse_patches: NDArray[np.int64],
     levels: NDArray[np.int64],
     half_vectors: NDArray[np.float32],
     normals: NDArray[np.float32],
     directions: NDArray[np.float32],
+    visible: NDArray[np.float32],
+    own: NDArray[np.float32],
 ) -> NDArray[np.float32]:
     roughnesses, _, samples = half_vectors.shape
     finest = int(math.sqrt(len(fine)))
@@ -72,20 +118,26 @@ def _gather(
         for roughness in range(roughnesses):
             level = levels[roughness]
             light = fine if level == 0 else (middle if level == 1 else coarse)
+            patch_of = (
+                fine_patches if level == 0 else (middle_patches if level == 1 else coarse_patches)
+            )
             size = finest >> level
             mirrored_texels(frame, n, o, half_vectors[roughness], size, weights, texels)
             total, red, green, blue, seen, clipped = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            itself = 0.0
             for sample in range(samples):
-                weight, texel = weights[sample], texels[sample]
-                total += weight
+                texel = texels[sample]
+                weight = weights[sample] * visible[observation, patch_of[texel]]
+                total += weights[sample]
+                itself += weights[sample] - weight
                 red += weight * light[texel, 0]
                 green += weight * light[texel, 1]
                 blue += weight * light[texel, 2]
                 seen += weight * light[texel, 3]
                 clipped += weight * light[texel, 4]
-            gathered[observation, roughness, 0] = red / samples
-            gathered[observation, roughness, 1] = green / samples
-            gathered[observation, roughness, 2] = blue / samples
-            gathered[observation, roughness, 3] = seen / max(total, 1e-6)
+            gathered[observation, roughness, 0] = (red + itself * own[0]) / samples
+            gathered[observation, roughness, 1] = (green + itself * own[1]) / samples
+            gathered[observation, roughness, 2] = (blue + itself * own[2]) / samples
+            gathered[observation, roughness, 3] = (seen + itself) / max(total, 1e-6)
             gathered[observation, roughness, 4] = clipped / max(total, 1e-6)
     return gathered

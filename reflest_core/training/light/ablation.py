@@ -20,6 +20,7 @@ PARTS = {
     "light": "where light comes from: F, B and the observations alone are left",
     "fit": "fits of roughness and albedo to voxels and to the scene",
     "completion": "what the surface tells of light that was not seen, or seen clipped",
+    "visibility": "what the object hides from itself, and sends there instead (shaded anew)",
     "shares": "how much of the light was seen, and how much of that was clipped",
     "uncertainty": "the likelihood: the loss is the plain squared error",
 }

@@ -11,7 +11,7 @@ from typing import Any
 
 from reflest_core.synbrdf.scene_file import MANIFEST, SceneFileError
 from reflest_core.synbrdf.source_fingerprint import source_fingerprint
-from reflest_core.training.light.look_plan import SOURCES, LookPlan
+from reflest_core.training.light.look_plan import SHADED_PARTS, SOURCES, LookPlan
 from reflest_core.training.light.shading_file import LookCard
 from reflest_core.training.light.shading_shards import make_shadings
 from reflest_core.training.light.shadings import Shadings, load_shadings
@@ -53,7 +53,7 @@ def load_light_data(
     validation and held-out looks are at scenes of the first alone, so that adding a folder leaves
     what is measured as it is. Held-out looks are at its training scenes.
     """
-    hold_out, is_completed = recipe.hold_out, "completion" not in recipe.without
+    hold_out, without = recipe.hold_out, _shaded_without(recipe)
     seeds = {folder.resolve().name: _manifest(folder).get("seed") for folder in folders}
 
     def is_known(card: LookCard) -> bool:
@@ -62,9 +62,9 @@ def load_light_data(
     paths = [
         path
         for folder in folders
-        for path in place.made(folder, LookPlan("train", looks, (), is_completed))
+        for path in place.made(folder, LookPlan("train", looks, (), without))
     ]
-    measured = LookPlan("validation", is_completed=is_completed)
+    measured = LookPlan("validation", without=without)
     training = load_shadings(paths, is_known)
     return LightData(
         training,
@@ -86,8 +86,12 @@ def _held_out(data: Path, recipe: Recipe, place: ShadingPlace) -> Shadings:
             raise TrainingError(
                 f"{data} has no environment {name!r} to hold out; choose of {', '.join(known)}"
             )
-    is_completed = "completion" not in recipe.without
-    return load_shadings(place.made(data, LookPlan("train", 0, recipe.hold_out, is_completed)))
+    plan = LookPlan("train", 0, recipe.hold_out, _shaded_without(recipe))
+    return load_shadings(place.made(data, plan))
+
+
+def _shaded_without(recipe: Recipe) -> tuple[str, ...]:
+    return tuple(part for part in recipe.without if part in SHADED_PARTS)
 
 
 def _manifest(folder: Path) -> dict[str, Any]:

@@ -28,27 +28,30 @@ SOURCES = (
 """The code that decides what a look shows, files and folders of ``reflest_core``."""
 
 
+SHADED_PARTS = ("completion", "visibility")
+"""Parts of ``lightnet`` that shading has: to do without them is to shade anew."""
+
+
 @dataclass(frozen=True)
 class LookPlan:
     """Looks at the scenes of ``split``.
 
     ``varied``: how many looks at each scene, with views, exposure and faults as
     :func:`training_draw` has them; 0: one for each of :data:`MEASURED_VIEWS`. ``only``: of scenes
-    under one of these environments unmixed; of all scenes where it is empty. ``is_completed``:
-    whether shading completes the light.
+    under one of these environments unmixed; of all scenes where it is empty. ``without``:
+    parts of shading that are left out, of :data:`SHADED_PARTS`.
     """
 
     split: str
     varied: int = 0
     only: tuple[str, ...] = ()
-    is_completed: bool = True
+    without: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
         """Of the folder that its shadings are in."""
         kind = f"{self.varied}-looks" if self.varied else "measured"
-        if not self.is_completed:
-            kind += "-not-completed"
+        kind += "".join(f"-without-{part}" for part in self.without)
         if not self.only:
             return f"{self.split}-{kind}"
         names = hashlib.sha256(" ".join(self.only).encode()).hexdigest()

@@ -59,11 +59,14 @@ def training_draw(rng: np.random.Generator) -> SceneDraw:
 
 
 def shaded(
-    scene: SynbrdfScene, draw: SceneDraw, rng: np.random.Generator, is_completed: bool = True
+    scene: SynbrdfScene,
+    draw: SceneDraw,
+    rng: np.random.Generator,
+    without: tuple[str, ...] = (),
 ) -> Shading | None:
     """The shading of a look at the scene; None where it shows too little of the surface.
 
-    ``is_completed``: see :func:`~reflest_core.features.light.shading.shading`.
+    ``without``: see :func:`~reflest_core.features.light.shading.shading`.
     """
     scene = _exposed(scene, draw.exposure)
     if draw.realism is not None:
@@ -77,7 +80,7 @@ def shaded(
     voxels = choose_voxels(surface, MODELS["lightnet"].voxels)
     if len(voxels) < FEWEST_VOXELS:
         return None
-    return surface_shading(surface, voxels, is_completed)
+    return surface_shading(surface, voxels, without)
 
 
 def _parted(

@@ -68,7 +68,7 @@ def _shade_shard(shard: Path, path: Path, plan: LookPlan) -> int:
                 continue
             ward = [*scene.truth.rho_d, scene.truth.rho_s, scene.truth.alpha]
             for draw, rng in plan.draws(scene.index):
-                look = shaded(scene, draw, rng, plan.is_completed)
+                look = shaded(scene, draw, rng, plan.without)
                 if look is None:
                     continue
                 row = as_row(look)

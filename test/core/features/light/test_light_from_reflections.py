@@ -8,7 +8,7 @@ import pytest
 from reflest_core.features.light.completion import complete
 from reflest_core.features.light.explained_light import completed
 from reflest_core.features.light.gloss_fit import GlossFit
-from reflest_core.features.light.irradiance import cosine_weights, mean_radiance
+from reflest_core.features.light.irradiance import incoming, mean_radiance
 from reflest_core.features.light.light_from_reflections import infer_light_by_gloss
 from reflest_core.features.light.light_from_shading import infer_light
 from reflest_core.features.light.light_patches import diffuse_response
@@ -42,7 +42,7 @@ def explained(rho_s):
     sample = ball(sky(), ALBEDO, rho_s, ROUGHNESS)
     light = seen_below(sky(), 0.3)
     filled = complete(light)
-    response = diffuse_response(light, filled, cosine_weights(sample.normals))
+    response = diffuse_response(light, filled, incoming(sample.normals))
     mirrored = reflection(filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions)
     start = np.full(3, 0.3, np.float32)
     whole = infer_light_by_gloss(sample, response, mirrored, told(rho_s), start)
@@ -105,7 +105,7 @@ def test_a_channel_that_is_all_clipped_says_nothing():
     sample.clipped[:, 0] = True
     found = infer_light_by_gloss(
         sample,
-        diffuse_response(light, filled, cosine_weights(sample.normals)),
+        diffuse_response(light, filled, incoming(sample.normals)),
         reflection(filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions),
         told(0.3),
         np.full(3, 0.3, np.float32),
