@@ -14,6 +14,7 @@ from typing import Any
 from tqdm import tqdm
 
 from reflest_core.errors import ReflestError
+from reflest_core.synbrdf.data_folder import begin_manifest, write_json
 from reflest_core.synbrdf.generation import Generation, ShardTask, shard_tasks
 from reflest_core.synbrdf.scene_file import MANIFEST, SceneFileError, sha256, write_atomically
 from reflest_core.synbrdf.shard_rendering import render_shard
@@ -33,11 +34,7 @@ def generate(
     """
     generation.check_extra()
     manifest = generation.manifest()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise SceneFileError(f"{folder} cannot be made: {error.strerror}") from error
-    _begin_manifest(folder, manifest)
+    begin_manifest(folder, manifest)
     _check_hashes(folder)
     tasks = list(shard_tasks(generation))
     missing = [task for task in tasks if not (folder / task.file_name).exists()]
@@ -52,7 +49,7 @@ def generate(
             write_atomically(folder / task.file_name, shard)
             progress.update(task.scenes)
     hashes = {task.file_name: sha256(folder / task.file_name) for task in tasks}
-    _write_json(folder / MANIFEST, {**manifest, "sha256": hashes})
+    write_json(folder / MANIFEST, {**manifest, "sha256": hashes})
 
 
 def _rendered(
@@ -93,24 +90,6 @@ def render_agreed(generation: Generation, manifest: dict[str, Any], task: ShardT
     return render_shard(generation, task)
 
 
-def _begin_manifest(folder: Path, manifest: dict[str, Any]) -> None:
-    path = folder / MANIFEST
-    if not path.exists():
-        _write_json(path, manifest)
-        return
-    try:
-        found = json.loads(path.read_text())
-    except ValueError as error:
-        raise SceneFileError(
-            f"{path} is damaged ({error}); delete it and generate again"
-        ) from error
-    differing = sorted(key for key in manifest if found.get(key) != manifest[key])
-    if differing:
-        raise SceneFileError(
-            f"{folder} was begun with another {', '.join(differing)}; use the same or another --out"
-        )
-
-
 def _check_hashes(folder: Path) -> None:
     """What a finished run wrote must still be that."""
     for name, digest in json.loads((folder / MANIFEST).read_text()).get("sha256", {}).items():
@@ -119,7 +98,3 @@ def _check_hashes(folder: Path) -> None:
             raise SceneFileError(
                 f"{path} is damaged: its hash is not the manifest's; delete it and generate again"
             )
-
-
-def _write_json(path: Path, content: dict[str, Any]) -> None:
-    write_atomically(path, (json.dumps(content, indent=1, sort_keys=True) + "\n").encode())

@@ -107,6 +107,10 @@ class Generation:
                         "--environments: take it out, so that what is held out stays unseen"
                     )
 
+    def environment_names(self) -> list[str]:
+        """Of all splits, but the further ones."""
+        return [source.name for source in self._environments()]
+
     def manifest(self) -> dict[str, Any]:
         """What a resumed run must agree with."""
         return {
@@ -120,7 +124,7 @@ class Generation:
             "without": sorted(self.without),
             "realism": None if self.realism is None else dataclasses.asdict(self.realism),
             "metering": self.metering.value,
-            "environments": [source.name for source in self._environments()],
+            "environments": self.environment_names(),
             "extra_environments": [source.name for source in self._extra()],
             "meshes": [source.name for source in self._meshes()],
             "versions": _versions(),

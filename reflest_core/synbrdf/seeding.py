@@ -25,6 +25,8 @@ class Purpose(enum.Enum):
     """The same of scenes in rooms."""
     REALISM = 3
     """Faults of a real capture."""
+    RELIGHT = 5
+    """Another material and light for the same shape and views."""
 
 
 def generator(seed: int, split: Split, index: int, purpose: Purpose) -> np.random.Generator:

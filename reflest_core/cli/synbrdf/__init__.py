@@ -8,7 +8,7 @@ import argparse
 import importlib
 from typing import Any
 
-PRODUCTS = ("generate", "images", "xml", "render", "sequence", "measure", "card")
+PRODUCTS = ("generate", "relight", "images", "xml", "render", "sequence", "measure", "card")
 
 
 def add_parser(subparsers: Any) -> None:

@@ -36,7 +36,7 @@ class Incoming:
 
 
 def incoming(normals: NDArray[np.float32], sight: Sight | None = None) -> Incoming:
-    """For unit ``normals`` (V, 3) with the ``sight`` of their voxels; without, nothing is hidden."""
+    """For unit ``normals`` (V, 3) and their voxels' ``sight``; without one, nothing is hidden."""
     weights = _cosine_weights(normals)
     if sight is None:
         nothing = np.zeros(len(normals), np.float32)

@@ -3,8 +3,9 @@
 """A SynBRDF scene of another material under another light, without rendering it anew.
 
 Shapes and cameras are the scene's; every observation becomes what Eq. 1 (the paper, Sec. 3) says
-of the new material in the new light. A network meets far more lights so than could be rendered.
-What is lost: shadows that the object casts on itself, and light between its parts.
+of the new material in the new light. So a network meets far more lights than could be rendered.
+Eq. 1 knows neither shadows that an object casts on itself nor light between its parts: only
+objects that hide next to nothing of the light are relit.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from numpy.typing import NDArray
 from reflest_core.brdf import rgbe
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.features.light.completion import LightPyramid, levels_below
-from reflest_core.features.light.irradiance import mean_radiance
+from reflest_core.features.light.irradiance import incoming, mean_radiance
+from reflest_core.features.light.visibility import Occluders
 from reflest_core.features.light.ward_lobe import reflected
 from reflest_core.fusion.octahedral import octahedral_directions, octahedral_texels
 from reflest_core.synbrdf.environment_lookup import radiance_from
@@ -34,7 +36,22 @@ EDGE = 192
 """Of the octahedral map that reflections look into: 0.9 degrees a texel."""
 NATURAL_SHARE = 0.5
 """Of the lights are one environment as it is, turned; the others are as diverse light is drawn."""
+TINT_STDDEV = 0.12
+"""Of the logarithm of each channel of a natural light."""
+MOST_HIDDEN = 0.03
+"""Share of the light, weighted by cosine, that an object may hide from its own surface."""
 NAME = "relit"
+"""Stands for the name of the environment."""
+
+
+def is_relightable(scene: SynbrdfScene) -> bool:
+    """Whether Eq. 1 holds: light from infinitely far, next to nothing of it hidden."""
+    if scene.thumbnails.depth is not None:
+        return False
+    surface = scene.surface
+    occluders = Occluders.of(surface.positions, surface.normals, np.zeros(3, np.float32))
+    sight = occluders.sight(surface.positions, surface.normals)
+    return float(incoming(surface.normals, sight).hidden.mean()) <= MOST_HIDDEN
 
 
 def drawn_anew(
@@ -43,7 +60,7 @@ def drawn_anew(
     """``scene`` with another material, and another light made of ``maps`` (H, 2 H, 3)."""
     if rng.uniform() < NATURAL_SHARE:
         light = rotated(maps[int(rng.integers(len(maps)))], float(rng.uniform(0.0, 2.0 * np.pi)))
-        light = light * np.exp(rng.normal(0.0, 0.12, 3)).astype(np.float32)
+        light = light * np.exp(rng.normal(0.0, TINT_STDDEV, 3)).astype(np.float32)
     else:
         light = draw_diverse_light(rng, maps)
     return relit(scene, draw_material(rng, scene.truth.variant), light, rng)
@@ -57,8 +74,8 @@ def relit(
 ) -> SynbrdfScene:
     """``scene`` of ``material`` under ``environment`` (H, 2 H, 3), linear sRGB, z up.
 
-    The scene's light must be infinitely far (no depth in its thumbnails). ``rng`` draws which of a
-    view's observations stand for the object's pixels in its thumbnail.
+    The scene must be relightable. ``rng`` draws which of a view's observations stand for the
+    object's pixels in its thumbnail.
     """
     surface, thumbnails = scene.surface, scene.thumbnails
     light = _pyramid(environment)
