@@ -5,20 +5,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.features.light.completion import LightPyramid
+from reflest_core.features.light.cosine_weights import SIZE, cosine_weights
 from reflest_core.features.light.patch_grid import patches_of_texels
 from reflest_core.features.light.visibility import Sight
-from reflest_core.fusion.octahedral import octahedral_directions, octahedral_solid_angles
 
 DARKEST = 1e-4
 """``E(n) / pi`` that a ratio is taken to at least, in units of the sensor's white."""
-SIZE = 24
-"""Edge of the pyramid's level that is summed: 8 degrees a texel, plenty for a cosine."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +34,7 @@ class Incoming:
 
 def incoming(normals: NDArray[np.float32], sight: Sight | None = None) -> Incoming:
     """For unit ``normals`` (V, 3) and their voxels' ``sight``; without one, nothing is hidden."""
-    weights = _cosine_weights(normals)
+    weights = cosine_weights(normals)
     if sight is None:
         nothing = np.zeros(len(normals), np.float32)
         return Incoming(weights, nothing, np.zeros((len(normals), 3), np.float32))
@@ -64,15 +61,3 @@ def weighted_radiance(light: LightPyramid, arriving: Incoming) -> NDArray[np.flo
     mean[:, :3] += arriving.own
     mean[:, 3] += arriving.hidden
     return mean
-
-
-def _cosine_weights(normals: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(V, SIZE * SIZE): share of each texel's radiance in ``E(n) / pi``; each row sums to 1."""
-    directions, angles = _sphere()
-    weights = np.maximum(normals @ directions.T, 0.0) * angles
-    return np.asarray(weights / weights.sum(axis=1, keepdims=True), np.float32)
-
-
-@cache
-def _sphere() -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    return octahedral_directions(SIZE).reshape(-1, 3), octahedral_solid_angles(SIZE).reshape(-1)

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.features.light.completion import LightPyramid, halved
-from reflest_core.features.light.irradiance import SIZE, Incoming
+from reflest_core.features.light.cosine_weights import SIZE
+from reflest_core.features.light.irradiance import Incoming
 from reflest_core.features.light.patch_grid import texels_of_patches
 from reflest_core.fusion.light_map import ObservedLight
 

@@ -16,12 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from reflest_core.features.light.patch_grid import EDGE, PATCHES
-from reflest_core.fusion.octahedral import octahedral_solid_angles, octahedral_texel
+from reflest_core.features.light.cosine_weights import SIZE, cosine_weights
+from reflest_core.features.light.patch_grid import EDGE, PATCHES, texels_of_patches
+from reflest_core.fusion.octahedral import octahedral_texel
 from reflest_core.jit import compiled, kernel_array
 
 NEIGHBOURS = 6
 """Discs' areas come from the distance to so many neighbours."""
+LEAST_SHARE = 1e-3
+"""Of the hemisphere, weighted by cosine: patches that show less of it are not hidden further."""
 FLATTEST = 0.05
 """Cosine between a normal and the direction to another voxel: below it they are one surface."""
 
@@ -72,17 +75,18 @@ class Occluders:
 
     def sight(self, positions: NDArray[np.float32], normals: NDArray[np.float32]) -> Sight:
         """Of voxels at ``positions`` with ``normals``, (V, 3)."""
-        hidden = _hidden_angles(
+        hidden = _hidden_shares(
             kernel_array(self.positions, np.float32), kernel_array(self.normals, np.float32),
             kernel_array(self.areas, np.float32),
             kernel_array(positions, np.float32), kernel_array(normals, np.float32), EDGE,
         )  # fmt: skip
-        shares = np.minimum(hidden / octahedral_solid_angles(EDGE).reshape(-1), 1.0)
+        whole = cosine_weights(normals)[:, texels_of_patches(SIZE)].sum(axis=2)
+        shares = np.minimum(hidden / np.maximum(whole, LEAST_SHARE), 1.0)
         return Sight(np.asarray(1.0 - shares, np.float32), self.own)
 
 
 @compiled
-def _hidden_angles(
+def _hidden_shares(
     positions: NDArray[np.float32],
     normals: NDArray[np.float32],
     areas: NDArray[np.float32],
@@ -90,7 +94,7 @@ def _hidden_angles(
     of_normals: NDArray[np.float32],
     edge: int,
 ) -> NDArray[np.float32]:
-    """(V, edge * edge) solid angles, steradians, that discs facing a voxel cover in each patch."""
+    """(V, edge * edge): of the whole hemisphere, weighted by cosine, what discs cover by patch."""
     hidden = np.zeros((len(of_positions), edge * edge), np.float32)
     for voxel in range(len(of_positions)):
         for disc in range(len(positions)):
@@ -108,5 +112,5 @@ def _hidden_angles(
             row, column = octahedral_texel(x, y, z, edge)
             # A disc close by covers no more than half of all directions.
             angle = areas[disc] * facing / distance / (square + areas[disc] / (2.0 * math.pi))
-            hidden[voxel, row * edge + column] += angle
+            hidden[voxel, row * edge + column] += angle * above / distance / math.pi
     return hidden
