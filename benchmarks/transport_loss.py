@@ -15,17 +15,19 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import rclpy
-from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import Image
 from std_msgs.msg import Empty
 
 from benchmarks.measuring.machine import ROOT, describe_machine
+from reflest_ros.message_info import with_message_info
+from reflest_ros.publication_gaps import PublicationGaps
 from reflest_ros.qos import OUTPUT_QOS, input_qos
 
 PROFILE = ROOT / "config" / "fastdds_large_messages.xml"
@@ -72,10 +74,7 @@ class Receiver(Node):
         self.reported_lost = 0
         self.has_ended = False
         for name in STREAMS:
-            self.create_subscription(
-                Image, name, lambda _, name=name: self._take(name), input_qos("best_effort"),
-                event_callbacks=SubscriptionEventCallbacks(message_lost=self._on_lost),
-            )  # fmt: skip
+            self.create_subscription(Image, name, self._counting(name), input_qos("best_effort"))
         self.create_subscription(Empty, "end", self._on_end, OUTPUT_QOS)
 
     def run(self) -> None:
@@ -87,11 +86,14 @@ class Receiver(Node):
             count = sum(self.received.values())
             rclpy.spin_once(self, timeout_sec=0.5)
 
-    def _take(self, name: str) -> None:
-        self.received[name] += 1
+    def _counting(self, name: str) -> Callable[..., None]:
+        gaps = PublicationGaps()
 
-    def _on_lost(self, event: Any) -> None:
-        self.reported_lost = event.total_count
+        def take(_: Image, info: dict[str, Any]) -> None:
+            self.received[name] += 1
+            self.reported_lost += gaps.lost_before(info["publication_sequence_number"])
+
+        return with_message_info(take)
 
     def _on_end(self, _: Empty) -> None:
         self.has_ended = True

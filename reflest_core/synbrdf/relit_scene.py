@@ -19,10 +19,14 @@ from numpy.typing import NDArray
 from reflest_core.brdf import rgbe
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.features.light.completion import LightPyramid, levels_below
-from reflest_core.features.light.irradiance import incoming, mean_radiance
+from reflest_core.features.light.irradiance import incoming
 from reflest_core.features.light.visibility import Occluders
 from reflest_core.features.light.ward_lobe import reflected
-from reflest_core.fusion.octahedral import octahedral_directions, octahedral_texels
+from reflest_core.fusion.octahedral import (
+    octahedral_directions,
+    octahedral_solid_angles,
+    octahedral_texels,
+)
 from reflest_core.synbrdf.environment_lookup import radiance_from
 from reflest_core.synbrdf.environments import rotated
 from reflest_core.synbrdf.exposure import auto_exposure, expose
@@ -120,10 +124,18 @@ def _radiance(
     """(O, 3) of every observation by Eq. 1."""
     surface = scene.surface
     voxel_of = np.repeat(np.arange(surface.voxel_count), surface.observation_counts)
-    diffuse = mean_radiance(light, surface.normals)[voxel_of, :3]
+    diffuse = _diffuse(light.levels[1], surface.normals)[voxel_of]
     gloss = reflected(light, material.alpha, surface.normals[voxel_of], surface.view_directions())
     albedo = np.asarray(material.rho_d, np.float32)
     return albedo * diffuse + np.float32(material.rho_s) * gloss
+
+
+def _diffuse(level: NDArray[np.float32], normals: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(V, 3) ``E(n) / pi``, from a finer map than while scanning: a small sun has a hard edge."""
+    edge = len(level)
+    directions = octahedral_directions(edge).reshape(-1, 3)
+    weights = np.maximum(normals @ directions.T, 0.0) * octahedral_solid_angles(edge).reshape(-1)
+    return np.asarray(weights @ level[..., :3].reshape(-1, 3) / np.float32(np.pi), np.float32)
 
 
 def _as_pixels(
