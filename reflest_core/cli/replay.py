@@ -26,6 +26,10 @@ def add_parser(subparsers: Any) -> None:
         "--environment", type=Path, metavar="FILE",
         help="write the light around the object as .hdr or .exr",
     )  # fmt: skip
+    parser.add_argument(
+        "--known-light", metavar="FILE",
+        help="an .hdr panorama of the room, or a scan saved there: for light that no camera saw",
+    )  # fmt: skip
     parser.add_argument("--model", help=f"one of {', '.join(MODELS)}")
     parser.add_argument("--weights", metavar="FILE", help="weights in place of the shipped ones")
     parser.add_argument("--config", type=Path, metavar="YAML", help="a ROS parameter file")

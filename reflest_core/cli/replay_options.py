@@ -37,7 +37,12 @@ def replay_settings(options: argparse.Namespace) -> ReflestSettings:
     config: Path | None = options.config
     settings = ReflestSettings.from_yaml(config) if config else ReflestSettings()
     fusion = {"voxel_size": options.voxel_size, "max_depth": options.max_depth}
-    estimation = {"model": options.model, "weights": options.weights, "up": options.up}
+    estimation = {
+        "model": options.model,
+        "weights": options.weights,
+        "up": options.up,
+        "known_light": options.known_light,
+    }
     return replace(
         settings,
         capture=_with_mask(_with_tf(settings.capture, options.world_frame), options.mask_topic),

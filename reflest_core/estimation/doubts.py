@@ -20,7 +20,7 @@ class Evidence:
 
     ``voxels``: how many the network looked at, ``wanted_voxels``: how many it expects.
     ``coverage``: share of view directions seen. ``light``: None where the network does not look at
-    it. ``rho_s``: as estimated.
+    it. ``rho_s``: as estimated. ``light_problem``: why light known before was not used, or "".
     """
 
     voxels: int
@@ -28,6 +28,7 @@ class Evidence:
     coverage: float
     light: LightKnowledge | None
     rho_s: float
+    light_problem: str = ""
 
 
 def doubts(evidence: Evidence, settings: EstimationSettings) -> Iterator[Doubt]:
@@ -47,6 +48,8 @@ def doubts(evidence: Evidence, settings: EstimationSettings) -> Iterator[Doubt]:
             f"{evidence.coverage:.0%} of view directions seen, below {settings.low_coverage:.0%}: "
             "move around the object",
         )
+    if evidence.light_problem:
+        yield EstimateStatus.LOW_LIGHT, evidence.light_problem
     if evidence.light is not None:
         yield from _of_light(evidence.light, settings)
     if evidence.rho_s < settings.low_gloss:

@@ -36,8 +36,13 @@ class Estimator:
         weights = Path(settings.weights) if settings.weights else None
         self.predictor = Predictor(settings.model, weights, settings.device, settings.threads)
 
-    def estimate(self, surface: ObservedSurface, stamp_ns: int, frame_id: str) -> BrdfEstimate:
-        """The surface's BRDF; raises :class:`NoEstimate` where too few voxels were observed."""
+    def estimate(
+        self, surface: ObservedSurface, stamp_ns: int, frame_id: str, light_problem: str = ""
+    ) -> BrdfEstimate:
+        """The surface's BRDF; raises :class:`NoEstimate` where too few voxels were observed.
+
+        ``light_problem``: a doubt about the surface's light, or "".
+        """
         observed = int((surface.observation_counts > 0).sum())
         if observed < self.settings.min_voxels:
             raise NoEstimate(
@@ -52,8 +57,9 @@ class Estimator:
         lightness, a, b, c, d = ward_to_labcd(ward).tolist()
         coverage = hemisphere_coverage(surface, prediction.voxels)
         evidence = Evidence(
-            len(prediction.voxels), self.predictor.voxels, coverage, prediction.light, rho_s
-        )
+            len(prediction.voxels), self.predictor.voxels, coverage, prediction.light, rho_s,
+            light_problem,
+        )  # fmt: skip
         found = list(doubts(evidence, self.settings))
         return BrdfEstimate(
             stamp_ns=stamp_ns,

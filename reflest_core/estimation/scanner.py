@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
+from reflest_core.environment.known_light import KnownLight
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import ReflestSettings
@@ -31,7 +32,8 @@ class KeyframeSnapshot:
     ``T_world_camera``: (4, 4) float64, the keyframe's pose; None where no frame was fused yet, as
     after a load. ``frame_id``, ``world_frame_id``: names of the camera's and of the world frame.
     ``voxel_count``, ``observation_count``: of the whole scan, where the surface is a part of it;
-    None where it is all there is.
+    None where it is all there is. ``light_problem``: why light that was known before the scan was
+    not used, or "".
     """
 
     stamp_ns: int
@@ -41,6 +43,7 @@ class KeyframeSnapshot:
     T_world_camera: NDArray[np.float64] | None = None
     voxel_count: int | None = None
     observation_count: int | None = None
+    light_problem: str = ""
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,8 @@ class Scanner:
         """Load the weights and allocate the scan; :class:`ReflestError` says what is wrong."""
         self.settings = settings
         self.estimator = Estimator(settings.estimation)
+        path = settings.estimation.known_light
+        self._known_light = KnownLight.read(Path(path)) if path else None
         self.scan = Scan(settings.fusion, settings.region)
         self.keyframes = KeyframePolicy(settings.keyframe)
         self._last_pose: NDArray[np.float64] | None = None
@@ -75,16 +80,21 @@ class Scanner:
 
     def snapshot(self) -> KeyframeSnapshot:
         """A frozen copy of the scan to estimate from, with the last frame's stamp and pose."""
-        scan = self.scan
+        scan, surface, problem = self.scan, self.scan.snapshot(), ""
+        if self._known_light is not None and surface.light is not None:
+            joined = self._known_light.joined(surface.light)
+            surface, problem = replace(surface, light=joined.light), joined.problem
         return KeyframeSnapshot(
-            scan.last_stamp_ns or 0, scan.frame_id, scan.snapshot(), scan.world_frame_id,
-            self._last_pose, scan.store.observed_count, scan.observation_count,
+            scan.last_stamp_ns or 0, scan.frame_id, surface, scan.world_frame_id,
+            self._last_pose, scan.store.observed_count, scan.observation_count, problem,
         )  # fmt: skip
 
     def estimate(self, snapshot: KeyframeSnapshot) -> BrdfEstimate:
         """Estimate from a snapshot; raises :class:`NoEstimate` with the reason."""
         surface = snapshot.surface
-        estimate = self.estimator.estimate(surface, snapshot.stamp_ns, snapshot.frame_id)
+        estimate = self.estimator.estimate(
+            surface, snapshot.stamp_ns, snapshot.frame_id, snapshot.light_problem
+        )
         if snapshot.voxel_count is None or snapshot.observation_count is None:
             return estimate
         return replace(

@@ -36,6 +36,11 @@ class EstimationSettings:
         (0.0, 0.0, 1.0),
         "Up in the world frame of the poses. Maps that begin at a level camera: 0, -1, 0.",
     )
+    known_light: str = parameter(
+        "",
+        "An .hdr panorama of the room, or an earlier scan saved there, in the world frame of the "
+        "poses: stands in for the light that no camera saw.",
+    )
     low_coverage: float = parameter(
         0.15,
         "Below this share of each voxel's view directions an estimate is marked LOW_COVERAGE.",

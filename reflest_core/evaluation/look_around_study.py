@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What it buys to turn the camera round the room once, beside the scan of the object itself."""
+"""What it buys to know more of the light than scans of the object show: two ways to do so."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from reflest_core.environment.known_light import KnownLight
 from reflest_core.evaluation.accuracy import accuracy
 from reflest_core.evaluation.contenders import Contender
 from reflest_core.evaluation.estimates import estimate_all
@@ -30,10 +31,11 @@ def measure_look_around(
     splits: dict[str, list[SynbrdfScene]],
     drawn: Callable[[SynbrdfScene], Scene],
 ) -> dict[str, Any]:
-    """RMSE of lightnet with and without :data:`FRAMES` frames of the room, by pattern of views.
+    """RMSE of lightnet from scans alone, and by pattern of views what more light buys.
 
-    ``drawn``: the scene with its light, which must be infinitely far; these frames are all that is
-    taken of it, through the camera that took the others.
+    ``with``: :data:`FRAMES` frames of the room through the camera that took the others.
+    ``panorama``: a panorama of all of the light in high dynamic range, as a user may give one.
+    ``drawn``: the scene with its light, which must be infinitely far.
     """
     estimator = contender.estimator()
     statistics = estimator.predictor.card.statistics
@@ -57,17 +59,26 @@ def measure_look_around(
 def _looks(
     scenes: list[SynbrdfScene], drawn: Callable[[SynbrdfScene], Scene], title: str
 ) -> dict[int, dict[str, list[Sample]]]:
-    """By number of views: each scene as ``scan`` alone and as ``with`` the look around."""
+    """By number of views: each scene as it was scanned, and in each way to know more."""
     looks: dict[int, dict[str, list[Sample]]] = {
-        count: {"scan": [], "with": []} for count in VIEW_COUNTS
+        count: {"scan": [], "with": [], "panorama": []} for count in VIEW_COUNTS
     }
     for scene in tqdm(scenes, desc=f"looking around in {title}", unit="scene", leave=False):
-        frames = look_around(drawn(scene).light.radiance, scene.exposure)
+        environment = drawn(scene).light.radiance
+        frames, panorama = look_around(environment, scene.exposure), KnownLight.of(environment)
         for count, samples in looks.items():
             views = drawn_views(scene, count)
             samples["scan"].append(shown(scene, views))
             samples["with"].append(shown(scene, views, frames))
+            samples["panorama"].append(_known_before(samples["scan"][-1], panorama))
     return looks
+
+
+def _known_before(scan: Sample, panorama: KnownLight) -> Sample:
+    surface = scan.surface
+    assert surface.light is not None
+    joined = dataclasses.replace(surface, light=panorama.joined(surface.light).light)
+    return dataclasses.replace(scan, surface=joined)
 
 
 def _patterns(scenes: list[SynbrdfScene]) -> Iterator[tuple[str, NDArray[np.int64]]]:

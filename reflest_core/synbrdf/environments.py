@@ -9,7 +9,6 @@ centre sees, unmirrored.
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -17,6 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.environment.environment_reader import read_radiance
 from reflest_core.environment.equirectangular import equirectangular_directions
 from reflest_core.errors import ReflestError
 from reflest_core.synbrdf.cubemap import look_up, read_cubemap
@@ -133,11 +133,4 @@ def _read(source: EnvironmentSource) -> NDArray[np.float32]:
             return np.asarray(archive[source.member], np.float32)
     if source.path.suffix.lower() == ".ktx":
         return look_up(read_cubemap(source.path), equirectangular_directions(CUBEMAP_HEIGHT))
-    # OpenCV reads OpenEXR only where the process asks for it.
-    os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
-    import cv2
-
-    image = cv2.imread(str(source.path), cv2.IMREAD_ANYDEPTH | cv2.IMREAD_COLOR)
-    if image is None:
-        raise ValueError("it is not an .hdr or .exr image that OpenCV can decode")
-    return np.asarray(image[..., ::-1], np.float32)
+    return read_radiance(source.path)

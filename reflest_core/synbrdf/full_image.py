@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
 from reflest_core.capture.camera import CameraIntrinsics
-from reflest_core.synbrdf.environment_lookup import radiance_from
+from reflest_core.environment.equirectangular_lookup import radiance_from
 from reflest_core.synbrdf.mitsuba_scene import RadianceTracer, first_hits, first_normals
 from reflest_core.synbrdf.room.depth_view import room_sight
 from reflest_core.synbrdf.room.geometry import Room

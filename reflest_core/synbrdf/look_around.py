@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.synbrdf.environment_lookup import radiance_from
+from reflest_core.environment.equirectangular_lookup import radiance_from
 from reflest_core.synbrdf.exposure import expose
 from reflest_core.synbrdf.scene_light import Background, pixel_rays
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from reflest_core.brdf import rgbe
 from reflest_core.brdf.parameters import WardParameters
+from reflest_core.environment.equirectangular_lookup import radiance_from
 from reflest_core.features.light.completion import LightPyramid, levels_below
 from reflest_core.features.light.irradiance import incoming
 from reflest_core.features.light.visibility import Occluders
@@ -27,7 +28,6 @@ from reflest_core.fusion.octahedral import (
     octahedral_solid_angles,
     octahedral_texels,
 )
-from reflest_core.synbrdf.environment_lookup import radiance_from
 from reflest_core.synbrdf.environments import rotated
 from reflest_core.synbrdf.exposure import auto_exposure, expose
 from reflest_core.synbrdf.light_diversity import draw_diverse_light

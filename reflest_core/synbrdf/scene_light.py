@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf import rgbe
-from reflest_core.fusion.light_map import LightMap, ObservedLight
+from reflest_core.environment.known_light import KnownLight
+from reflest_core.fusion.light_map import SIZE, LightMap, ObservedLight
+from reflest_core.fusion.octahedral import octahedral_texels
 from reflest_core.synbrdf.exposure import expose
 from reflest_core.synbrdf.scene_file import SynbrdfScene
 from reflest_core.synbrdf.thumbnails import THUMBNAIL, Thumbnails
@@ -49,6 +51,24 @@ def light_and_gains(
     for directions, colours in looks_away:
         light.add_frame(directions, colours)
     return light.observed(), gains
+
+
+def room_light(scene: SynbrdfScene) -> KnownLight:
+    """The environment as all of the scene's views show it together, in high dynamic range.
+
+    As if somebody had taken a panorama of the room before, of the directions that any view shows.
+    """
+    thumbnails = scene.thumbnails
+    directions = background_directions(thumbnails, scene.surface.positions.mean(axis=0))
+    is_background = ~thumbnails.is_object
+    texels = octahedral_texels(directions[is_background], SIZE)
+    radiance = thumbnails.radiance()[is_background] * np.float32(scene.exposure)
+    counts = np.bincount(texels, minlength=SIZE * SIZE)
+    sums = np.stack(
+        [np.bincount(texels, radiance[:, c], minlength=SIZE * SIZE) for c in range(3)], axis=-1
+    )
+    mean = (sums / np.maximum(counts, 1)[:, None]).astype(np.float32)
+    return KnownLight(mean.reshape(SIZE, SIZE, 3), (counts > 0).reshape(SIZE, SIZE))
 
 
 def backgrounds(scene: SynbrdfScene, views: NDArray[np.int64]) -> list[Background]:

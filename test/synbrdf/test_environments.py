@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from reflest_core.environment.equirectangular import equirectangular_directions
+from reflest_core.environment.equirectangular_lookup import radiance_from
 from reflest_core.errors import ReflestError
-from reflest_core.synbrdf.environment_lookup import radiance_from
 from reflest_core.synbrdf.environments import (
     EnvironmentUnreadable,
     find_environments,

@@ -8,8 +8,8 @@ import pytest
 from reflest_core.brdf import ward
 from reflest_core.brdf.parameters import WardParameters, WardVariant
 from reflest_core.environment.equirectangular import equirectangular_directions
+from reflest_core.environment.equirectangular_lookup import radiance_from
 from reflest_core.synbrdf import metering
-from reflest_core.synbrdf.environment_lookup import radiance_from
 from test.synbrdf.spheres import icosphere, joined
 
 mitsuba_scene = pytest.importorskip("reflest_core.synbrdf.mitsuba_scene")

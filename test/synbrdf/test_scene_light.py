@@ -7,8 +7,8 @@ import pytest
 
 pytest.importorskip("mitsuba")
 
+from reflest_core.environment.equirectangular_lookup import radiance_from
 from reflest_core.fusion.octahedral import octahedral_directions
-from reflest_core.synbrdf.environment_lookup import radiance_from
 from reflest_core.synbrdf.environments import procedural_skies
 from reflest_core.synbrdf.scene import draw_scene
 from reflest_core.synbrdf.scene_light import scene_light

@@ -16,7 +16,7 @@ pytest.importorskip("mitsuba")
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.cli.main import main
-from reflest_core.synbrdf.environment_lookup import radiance_from
+from reflest_core.environment.equirectangular_lookup import radiance_from
 from reflest_core.synbrdf.environments import find_environments, load_environment, rotated
 from reflest_core.synbrdf.exposure import expose
 from reflest_core.synbrdf.sequence_scene import (

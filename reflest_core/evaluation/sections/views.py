@@ -36,27 +36,27 @@ def look_around(record: Record) -> Lines:
     """What frames beside the object buy."""
     body = []
     for row in record["rows"]:
-        scan, looked = row["scan"], row["with"]
-        gain = looked["ward"]["overall"] - scan["ward"]["overall"]
+        scan, looked, known = row["scan"], row["with"], row["panorama"]
         body.append(
             [
                 row["split"], row["views"], row["pattern"], scan["scenes"], f"{scan['seen']:.0%}",
-                scan["ward"]["overall"], f"{looked['seen']:.0%}",
-                f"{looked['ward']['overall']:.3f} ({gain:+.3f})",
-                interval(looked["over_environments"]), looked["ward"]["scene_mean"],
+                scan["ward"]["overall"], f"{looked['seen']:.0%}", looked["ward"]["overall"],
+                interval(looked["over_environments"]), known["ward"]["overall"],
+                interval(known["over_environments"]),
             ]
         )  # fmt: skip
     header = [
-        "split", "views", "their pattern", "scenes", "light seen", "RMSE", "light seen, with",
-        "RMSE, with", "95 %, environments", "scene mean",
+        "split", "views", "their pattern", "scenes", "light seen", "RMSE", "light seen, look",
+        "RMSE, look", "95 %, environments", "RMSE, panorama", "95 %, environments",
     ]  # fmt: skip
     return [
         "## What a look around the room buys",
         "",
-        f"lightnet on all scenes, as scanned, and with {record['frames']} further frames that look",
+        f"lightnet on all scenes, as scanned; with {record['frames']} further frames that look",
         "away from the object, at the upper half of its surroundings, through the same camera at",
-        "the same exposure. Live, such frames are taken for their light. In brackets the",
-        "difference. All other tables and targets are of the scans alone.",
+        "the same exposure (live, such frames are taken for their light); and with a panorama of",
+        "the room in high dynamic range, as a user may give one (`estimation.known_light`). Other",
+        "tables and targets are of the scans alone.",
         "",
         *table(header, body),
         "",

@@ -18,7 +18,7 @@ from reflest_core.synbrdf.exposure import expose
 from reflest_core.synbrdf.realism.degrade import degrade
 from reflest_core.synbrdf.realism.settings import Realism
 from reflest_core.synbrdf.scene_file import SynbrdfScene
-from reflest_core.synbrdf.scene_light import backgrounds
+from reflest_core.synbrdf.scene_light import backgrounds, room_light
 from reflest_core.training.scanned_scene import scanned
 
 FEWEST_VOXELS, FEWEST_VIEWS = 3, 5
@@ -26,6 +26,8 @@ WITHOUT_BACKGROUND = 0.04
 """Share of training's looks in which the object fills every frame."""
 LOOKS_AROUND = 0.4
 """Share of training's looks in which views from below show the light alone."""
+KNOWN_ROOMS = 0.15
+"""Share of training's looks to which the room was known before."""
 HIGHEST = 45.0
 """Degrees of elevation, the highest from which on alone views may show the object."""
 
@@ -37,7 +39,8 @@ class SceneDraw:
     ``views``: how many. ``exposure``: factor to the scene's own. ``realism``: faults of a real
     capture, or none. ``sees_light``: False where no frame shows any background. ``above``: degrees
     of elevation; views from below it are as if the camera had looked away from the object, at
-    nothing but the light. None: all show it.
+    nothing but the light. None: all show it. ``knows_room``: what any view shows of the light is
+    known in high dynamic range, as from a panorama.
     """
 
     views: int
@@ -45,6 +48,7 @@ class SceneDraw:
     realism: Realism | None = None
     sees_light: bool = True
     above: float | None = None
+    knows_room: bool = False
 
 
 def training_draw(rng: np.random.Generator) -> SceneDraw:
@@ -55,7 +59,8 @@ def training_draw(rng: np.random.Generator) -> SceneDraw:
     realism = Realism() if rng.uniform() < 0.5 else None
     sees_light = bool(rng.uniform() >= WITHOUT_BACKGROUND)
     above = float(rng.uniform(0.0, HIGHEST)) if rng.uniform() < LOOKS_AROUND else None
-    return SceneDraw(views, exposure, realism, sees_light, above)
+    knows_room = bool(rng.uniform() < KNOWN_ROOMS)
+    return SceneDraw(views, exposure, realism, sees_light, above, knows_room)
 
 
 def shaded(
@@ -69,6 +74,7 @@ def shaded(
     ``without``: see :func:`~reflest_core.features.light.shading.shading`.
     """
     scene = _exposed(scene, draw.exposure)
+    room = room_light(scene) if draw.knows_room else None
     if draw.realism is not None:
         scene = degrade(scene, draw.realism, rng)
     count = len(scene.surface.view_centres)
@@ -77,6 +83,8 @@ def shaded(
     surface = scanned(scene, views, draw.realism is None, backgrounds(scene, aside))
     if not draw.sees_light:
         surface = dataclasses.replace(surface, light=None)
+    elif room is not None and surface.light is not None:
+        surface = dataclasses.replace(surface, light=room.joined(surface.light).light)
     voxels = choose_voxels(surface, MODELS["lightnet"].voxels)
     if len(voxels) < FEWEST_VOXELS:
         return None

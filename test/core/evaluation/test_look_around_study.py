@@ -43,17 +43,20 @@ def test_only_the_light_differs(scenes, runs, tmp_path):
     assert {pattern for _, pattern in rows} == {"all", *patterns}
     whole = rows[100, "all"]
     assert whole["with"]["seen"] > whole["scan"]["seen"]
+    assert whole["panorama"]["seen"] == pytest.approx(1.0)
     estimator = lightnet.estimator()
     samples = [shown(scene) for scene in scenes]
     made = estimate_all(estimator, samples, "scans").ward
     alone = accuracy(made, samples, estimator.predictor.card.statistics)
     assert whole["scan"]["ward"]["overall"] == pytest.approx(alone.ward.overall)
     assert whole["with"]["ward"]["overall"] != whole["scan"]["ward"]["overall"]
+    assert whole["panorama"]["ward"]["overall"] != whole["with"]["ward"]["overall"]
     (tmp_path / "out").mkdir()
     provenance = Provenance("reflest evaluate", "0", "none")
     write_record(tmp_path / "out" / "look-around.json", provenance, found)
     page = write_page(tmp_path / "out").read_text()
-    assert f"{whole['with']['ward']['overall']:.3f} (" in page
+    for way in ("with", "panorama"):
+        assert f" {whole[way]['ward']['overall']:.3f} |" in page
 
 
 def test_it_needs_the_environments(data, runs, tmp_path, capsys):

@@ -13,8 +13,8 @@ def radiance_from(
 ) -> NDArray[np.float32]:
     """Radiance (R, 3) seen along unit ``directions`` (R, 3), bilinear between texel centres.
 
-    ``environment`` (H, W, 3) in the convention of :mod:`.environments`: z up, the zenith in row 0,
-    azimuth ``phi`` at the column ``0.5 - phi / (2 pi)`` of the width.
+    ``environment`` (H, W, 3) in the convention of :mod:`.equirectangular`: z up, the zenith in row
+    0, azimuth ``phi`` at the column ``0.5 - phi / (2 pi)`` of the width.
     """
     height, width = environment.shape[:2]
     x, y, z = directions.astype(np.float64).T
