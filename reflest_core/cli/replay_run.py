@@ -54,7 +54,7 @@ def replay(options: argparse.Namespace) -> None:
     if options.save_scan is not None and result.fused_count:
         scanner.save(options.save_scan)
     if light_kind and result.fused_count:
-        export_environment(scanner.scan.snapshot(), light_kind, options.environment)
+        export_environment(scanner.snapshot().surface, light_kind, options.environment)
     if result.final is None:
         raise CaptureError(f"{capture.name} gives no estimate: {result.no_final}")
 

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The light gathered from a scene's thumbnails is the environment that lit it, in part."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,7 @@ from reflest_core.environment.equirectangular_lookup import radiance_from
 from reflest_core.fusion.octahedral import octahedral_directions
 from reflest_core.synbrdf.environments import procedural_skies
 from reflest_core.synbrdf.scene import draw_scene
-from reflest_core.synbrdf.scene_light import scene_light
+from reflest_core.synbrdf.scene_light import room_light, scene_light
 from reflest_core.synbrdf.sparse_scene import SparseRenderer, SparseSettings
 from reflest_core.synbrdf.splits import Sources, Split
 
@@ -31,3 +33,15 @@ def test_the_seen_part_of_the_environment_comes_back():
     one_view = scene_light(scene, np.arange(1))
     assert one_view.seen_share < every_view.seen_share
     assert (every_view.coverage[one_view.coverage > 0] == 1).all()
+
+
+def test_the_room_is_what_all_views_show_unclipped():
+    drawn = draw_scene(3, Split.VALIDATION, 0, Sources(procedural_skies(2), []), views=12)
+    scene = SparseRenderer(SparseSettings(20, 12, 4, 16)).render(drawn, 3)
+    room, seen = room_light(scene), scene_light(scene, np.arange(12))
+    np.testing.assert_array_equal(room.is_known, seen.coverage > 0)
+    is_clear = room.is_known & (seen.clipped == 0)
+    np.testing.assert_allclose(room.radiance[is_clear], seen.radiance[is_clear], atol=0.03)
+    brighter = dataclasses.replace(scene, exposure=8.0 * scene.exposure)
+    assert scene_light(brighter, np.arange(12)).clipped.any()
+    np.testing.assert_allclose(room_light(brighter).radiance, 8.0 * room.radiance, rtol=1e-4)

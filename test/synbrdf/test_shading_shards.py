@@ -93,10 +93,11 @@ def test_only_looks_under_the_chosen_light_are_made_and_loaded(data, tmp_path):
         load_shadings(paths, lambda card: False)
 
 
-def test_light_can_be_left_as_it_was_seen(data, tmp_path):
+@pytest.mark.parametrize("part", ["completion", "visibility"])
+def test_a_part_of_shading_can_be_left_out(data, tmp_path, part):
     whole, seen = (
         load_shadings(make_shadings(data, plan, tmp_path, jobs=1))
-        for plan in (TRAIN, dataclasses.replace(TRAIN, without=("completion",)))
+        for plan in (TRAIN, dataclasses.replace(TRAIN, without=(part,)))
     )
     np.testing.assert_array_equal(whole.arrays["cosine"], seen.arrays["cosine"])
     assert np.any(whole.arrays["diffuse_light"] != seen.arrays["diffuse_light"])
@@ -128,6 +129,17 @@ def test_views_from_below_may_show_the_light_alone(data):
     np.testing.assert_array_equal(none.apparent, every.apparent)  # too few to part with
 
 
+def test_a_room_may_be_known_beyond_the_views(data):
+    scene = next(load_scenes(data, "train"))
+    few, knowing, every = (
+        shaded(scene, SceneDraw(views, knows_room=knows), np.random.default_rng(0))
+        for views, knows in ((5, False), (5, True), (12, False))
+    )
+    assert knowing.zones[:, 3].sum() > few.zones[:, 3].sum()
+    np.testing.assert_allclose(knowing.zones[:, 3], every.zones[:, 3], atol=1e-6)
+    np.testing.assert_array_equal(knowing.is_seen, few.is_seen)
+
+
 def test_a_longer_exposure_cancels_out_where_nothing_clips(data):
     """Apparent albedo is a ratio to the light seen by the same camera."""
     scene = next(load_scenes(data, "train"))
@@ -146,5 +158,6 @@ def test_training_looks_differ_in_views_exposure_and_faults():
     assert views.max() <= 100
     assert 0.3 < np.mean([draw.realism is not None for draw in draws]) < 0.7
     assert 0.8 < np.mean([draw.sees_light for draw in draws]) < 1.0
+    assert 0.08 < np.mean([draw.knows_room for draw in draws]) < 0.25
     assert 0.25 < np.mean([draw.above is not None for draw in draws]) < 0.55
     assert np.std(np.log([draw.exposure for draw in draws])) == pytest.approx(0.25, abs=0.05)

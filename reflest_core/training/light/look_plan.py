@@ -18,7 +18,8 @@ from reflest_core.training.light.shading_axes import AXES
 MEASURED_VIEWS = (100, 30, 10)
 """A scene that is measured is looked at with so many of its views, as they are."""
 SOURCES = (
-    "brdf", "environment/known_light.py", "features/light", "features/voxel_choice.py", "features/tangent_frame.py",
+    "brdf", "environment/known_light.py",
+    "features/light", "features/voxel_choice.py", "features/tangent_frame.py",
     "fusion/exposure_correction.py", "fusion/exposure_gain.py", "fusion/light_map.py",
     "fusion/observed_surface.py", "fusion/octahedral.py",
     "fusion/thinning.py", "synbrdf/realism", "synbrdf/exposure.py", "synbrdf/scene_light.py",

@@ -4,13 +4,17 @@
 
 import dataclasses
 
+import cv2
+import numpy as np
 import pytest
 
 from reflest_core.capture.camera import CameraIntrinsics
+from reflest_core.environment.known_light import KnownLightError
+from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.fusion import snapshot
-from reflest_core.fusion.settings import FusionSettings
+from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from test.core.fusion.analytic_scene import (
     OBJECT,
     SMALL_CAMERA,
@@ -73,3 +77,54 @@ def test_the_background_is_the_light_that_lightnet_knows(camera, is_seen, tmp_pa
     scanner.save(tmp_path / "scan")
     scanner.load(tmp_path / "scan")
     assert scanner.estimate(scanner.snapshot()).to_json() == estimate.to_json()
+
+
+def in_a_room(count):
+    """Settings that tell the object from the room, and frames in which the room is not dark."""
+    region = RegionSettings("sphere", (0.0, 0.0, 0.0), (0.3, 0.3, 0.3))
+    estimation = dataclasses.replace(SETTINGS.estimation, low_coverage=0.0)
+    settings = dataclasses.replace(SETTINGS, region=region, estimation=estimation)
+    frames = orbit_frames(count)
+    return settings, [dataclasses.replace(one, rgb=np.maximum(one.rgb, 60)) for one in frames]
+
+
+def test_an_earlier_scan_of_the_room_stands_in_for_what_was_not_seen(tmp_path):
+    """Two frames see little of the surroundings; eight frames before them saw more."""
+    settings, frames = in_a_room(8)
+    earlier = Scanner(settings)
+    for frame in frames:
+        earlier.fuse(frame)
+    earlier.save(tmp_path / "room")
+    known = dataclasses.replace(settings.estimation, known_light=str(tmp_path / "room"))
+    plain, helped = Scanner(settings), Scanner(dataclasses.replace(settings, estimation=known))
+    for frame in frames[:2]:
+        plain.fuse(frame)
+        helped.fuse(frame)
+    alone, joined = plain.snapshot(), helped.snapshot()
+    before = earlier.snapshot().surface.light
+    assert joined.light_problem == ""
+    assert 0.0 < alone.surface.light.seen_share < before.seen_share
+    assert joined.surface.light.seen_share == pytest.approx(before.seen_share, abs=0.01)
+    np.testing.assert_array_equal(joined.surface.colours, alone.surface.colours)
+
+
+def test_light_that_does_not_fit_is_a_doubt_and_changes_nothing(tmp_path):
+    noise = np.exp(np.random.default_rng(0).normal(0.0, 2.0, (32, 64, 3))).astype(np.float32)
+    cv2.imwrite(str(tmp_path / "elsewhere.hdr"), noise)
+    settings, frames = in_a_room(4)
+    known = dataclasses.replace(settings.estimation, known_light=str(tmp_path / "elsewhere.hdr"))
+    plain, misled = Scanner(settings), Scanner(dataclasses.replace(settings, estimation=known))
+    for frame in frames:
+        plain.fuse(frame)
+        misled.fuse(frame)
+    truth, found = (one.estimate(one.snapshot()) for one in (plain, misled))
+    assert found.rho_d == truth.rho_d
+    assert found.status is EstimateStatus.LOW_LIGHT
+    assert "estimation.known_light does not look like what the camera saw" in found.status_text
+
+
+def test_known_light_that_is_not_there_stops_the_start(tmp_path):
+    path = str(tmp_path / "nothing.hdr")
+    known = dataclasses.replace(SETTINGS.estimation, known_light=path)
+    with pytest.raises(KnownLightError, match=r"nothing\.hdr cannot be read"):
+        Scanner(dataclasses.replace(SETTINGS, estimation=known))
