@@ -104,7 +104,7 @@ REFUSALS = {
     RefusalCause.CLOCK_JUMP: "The clock went back; what waited was dropped.",
     RefusalCause.NO_OVERLAP: "Nothing of the image is the object, though it may be in sight.",
     RefusalCause.QUEUE_FULL: "Fusion was slower than the input.",
-    RefusalCause.MESSAGE_LOST: "A message is missing between two that came from its topic's only publisher.",
+    RefusalCause.MESSAGE_LOST: "A message is missing between two of a topic with one publisher.",
 }
 
 
