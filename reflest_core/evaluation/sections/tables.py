@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from statistics import fmean
+
 from reflest_core.evaluation.markdown import table
 from reflest_core.evaluation.paper_figures import MATERIALS
 from reflest_core.evaluation.sections.cells import Lines, Record, interval, percent, spread
@@ -32,14 +34,15 @@ def table_2(record: Record) -> Lines:
 
 def _ward_table(rows: list[Record], with_paper: bool) -> Lines:
     header = ["network", "RMSE", "95 %, scenes", "95 %, environments"]
-    header += ["scene mean", "median", "p95", *WARD_NAMES]
+    header += ["scene mean", "median", "p95", "mean of five", *WARD_NAMES]
     header += ["paper", "paper's users"] if with_paper else []
     body = []
     for row in rows:
         of = row["accuracy"]
         cells = [row["title"], of["ward"]["overall"]]
         cells += [interval(of["over_scenes"]), interval(of["over_environments"])]
-        cells += [*spread(of["ward"]), *of["ward"]["per_parameter"]]
+        by_parameter = of["ward"]["per_parameter"]
+        cells += [*spread(of["ward"]), fmean(by_parameter), *by_parameter]
         body.append(cells + ([row["paper_rmse"], row["paper_rank"]] if with_paper else []))
     return table(header, body)
 
