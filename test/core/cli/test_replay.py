@@ -140,6 +140,17 @@ def test_the_scan_is_saved(replay, bag, tmp_path):
     assert scan.observation_count == record["final"]["observation_count"]
 
 
+def test_an_earlier_scan_can_be_known(replay, bag, tmp_path):
+    assert replay(bag, "--save-scan", tmp_path / "room")[0] == 0
+    code, _, err, record = replay(bag, "--known-light", tmp_path / "room")
+    assert (code, err) == (0, "")
+    assert record["settings"]["estimation"]["known_light"] == str(tmp_path / "room")
+    code, _, err, _ = replay(bag, "--known-light", tmp_path / "nowhere.hdr")
+    assert code == 2
+    assert "estimation.known_light" in err
+    assert "nowhere.hdr cannot be read" in err
+
+
 def test_refusals_are_warned_of_once_and_counted(replay, tmp_path):
     messages = recording(12)
     for index in (3, 4, 5):
