@@ -26,6 +26,8 @@ NAME = "estimation.known_light"
 """The parameter."""
 DARKEST = 0.01
 """Radiance, 1 at the sensor's white, below which 8 bits tell no ratio."""
+SAMPLES = 4
+"""Looked up along each edge of a texel and averaged, so that a small lamp keeps its power."""
 FEWEST = 100
 """Directions that scan and panorama must share, 2.1 degrees each."""
 MOST_SPREAD = 0.5
@@ -77,9 +79,10 @@ class KnownLight:
     @staticmethod
     def of(panorama: NDArray[np.float32]) -> KnownLight:
         """All of (H, 2 H, 3) linear radiance."""
-        directions = octahedral_directions(SIZE).reshape(-1, 3)
-        radiance = radiance_from(np.maximum(panorama, 0.0), directions)
-        return KnownLight(radiance.reshape(SIZE, SIZE, 3), np.ones((SIZE, SIZE), np.bool_))
+        fine = octahedral_directions(SAMPLES * SIZE).reshape(-1, 3)
+        radiance = radiance_from(np.maximum(panorama, 0.0), fine)
+        of_texels = radiance.reshape(SIZE, SAMPLES, SIZE, SAMPLES, 3).mean(axis=(1, 3))
+        return KnownLight(of_texels, np.ones((SIZE, SIZE), np.bool_))
 
     @staticmethod
     def of_scan(path: Path) -> KnownLight:

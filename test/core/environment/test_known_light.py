@@ -10,11 +10,14 @@ import pytest
 
 from reflest_core.brdf import srgb
 from reflest_core.brdf.lab import luminance
-from reflest_core.environment.equirectangular import equirectangular_directions
+from reflest_core.environment.equirectangular import (
+    equirectangular_directions,
+    equirectangular_solid_angles,
+)
 from reflest_core.environment.equirectangular_lookup import radiance_from
 from reflest_core.environment.known_light import KnownLight, KnownLightError
 from reflest_core.fusion.light_map import SIZE, ObservedLight
-from reflest_core.fusion.octahedral import octahedral_directions
+from reflest_core.fusion.octahedral import octahedral_directions, octahedral_solid_angles
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 
@@ -56,6 +59,17 @@ def test_what_nobody_saw_comes_from_the_panorama_at_the_scans_exposure():
     np.testing.assert_allclose(joined.light.radiance[clear], expected[clear], rtol=0.06)
     assert (joined.light.coverage == 1.0).all()
     assert joined.light.radiance.max() == pytest.approx(5.0 * max(gain), rel=0.05)
+
+
+def test_a_small_lamp_keeps_its_power():
+    """One pixel of 2.8 degrees, wherever it lies among the map's texels."""
+    angles = octahedral_solid_angles(SIZE)
+    pixels = equirectangular_solid_angles(HEIGHT)
+    for row, column in ((10, 20), (31, 77), (32, 5), (50, 100)):
+        image = np.zeros((HEIGHT, 2 * HEIGHT, 3), np.float32)
+        image[row, column] = 1000.0
+        power = (KnownLight.of(image).radiance[..., 0] * angles).sum()
+        assert power == pytest.approx(1000.0 * pixels[row, 0], rel=0.05)
 
 
 def test_what_the_camera_saw_stays_as_it_saw_it():
