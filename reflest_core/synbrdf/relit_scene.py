@@ -20,6 +20,7 @@ from reflest_core.brdf import rgbe
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.environment.equirectangular_lookup import radiance_from
 from reflest_core.features.light.completion import LightPyramid, levels_below
+from reflest_core.features.light.cosine_weights import cosine_weights
 from reflest_core.features.light.irradiance import incoming
 from reflest_core.features.light.visibility import Occluders
 from reflest_core.features.light.ward_lobe import reflected
@@ -54,8 +55,9 @@ def is_relightable(scene: SynbrdfScene) -> bool:
         return False
     surface = scene.surface
     occluders = Occluders.of(surface.positions, surface.normals, np.zeros(3, np.float32))
-    sight = occluders.sight(surface.positions, surface.normals)
-    return float(incoming(surface.normals, sight).hidden.mean()) <= MOST_HIDDEN
+    weights = cosine_weights(surface.normals)
+    sight = occluders.sight(surface.positions, surface.normals, weights)
+    return float(incoming(weights, sight).hidden.mean()) <= MOST_HIDDEN
 
 
 def drawn_anew(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.features.light.completion import LightPyramid, complete, levels_below
+from reflest_core.features.light.cosine_weights import cosine_weights
 from reflest_core.features.light.diffuse_colours import diffuse_colours
 from reflest_core.features.light.gloss_fit import GlossFit, fit_gloss
 from reflest_core.features.light.irradiance import (
@@ -78,12 +79,14 @@ def explain(
     occluders = Occluders.of(
         surface.positions[hiding], surface.normals[hiding], colours.mean(axis=0)
     )
-    sight = occluders.sight(surface.positions[voxels], surface.normals[voxels])
-    arriving = incoming(surface.normals[voxels], sight)
+    weights = cosine_weights(surface.normals[voxels])
+    sight = occluders.sight(surface.positions[voxels], surface.normals[voxels], weights)
+    arriving = incoming(weights, sight)
     response = diffuse_response(light, filled, arriving)
     sample = sampled(surface, choose_voxels(surface, SAMPLED))
     first, free = infer_light(response, colours, (EVEN, FREE))
-    sight = occluders.sight(surface.positions[sample.voxels], sample.normals)
+    weights = cosine_weights(sample.normals)
+    sight = occluders.sight(surface.positions[sample.voxels], sample.normals, weights)
     of_observations = sight.of(sample.voxel_of)
     normals_of_sample = sample.normals[sample.voxel_of]
     lobes = lobe_radiance(filled, normals_of_sample, sample.directions, of_observations)
@@ -91,7 +94,7 @@ def explain(
     mirrored = reflection(
         filled, gloss.roughness, normals_of_sample, sample.directions, of_observations
     )
-    of_sample = incoming(sample.normals, sight)
+    of_sample = incoming(weights, sight)
     whole = infer_light_by_gloss(
         sample, diffuse_response(light, filled, of_sample), mirrored, gloss, first.albedo
     )

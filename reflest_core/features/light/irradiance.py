@@ -32,12 +32,11 @@ class Incoming:
     own: NDArray[np.float32]
 
 
-def incoming(normals: NDArray[np.float32], sight: Sight | None = None) -> Incoming:
-    """For unit ``normals`` (V, 3) and their voxels' ``sight``; without one, nothing is hidden."""
-    weights = cosine_weights(normals)
+def incoming(weights: NDArray[np.float32], sight: Sight | None = None) -> Incoming:
+    """For V voxels of :func:`.cosine_weights` and ``sight``; without one, nothing is hidden."""
     if sight is None:
-        nothing = np.zeros(len(normals), np.float32)
-        return Incoming(weights, nothing, np.zeros((len(normals), 3), np.float32))
+        nothing = np.zeros(len(weights), np.float32)
+        return Incoming(weights, nothing, np.zeros((len(weights), 3), np.float32))
     weights = weights * sight.visible[:, patches_of_texels(SIZE)]
     hidden = np.maximum(np.float32(1.0) - weights.sum(axis=1), np.float32(0.0))
     return Incoming(weights, hidden, hidden[:, None] * sight.own)
@@ -51,7 +50,7 @@ def mean_radiance(
     The first three are ``E(n) / pi``, the radiance that a white Lambertian surface would send back;
     then the seen share and the clipped share of the light that falls on it.
     """
-    return weighted_radiance(light, incoming(normals, sight))
+    return weighted_radiance(light, incoming(cosine_weights(normals), sight))
 
 
 def weighted_radiance(light: LightPyramid, arriving: Incoming) -> NDArray[np.float32]:

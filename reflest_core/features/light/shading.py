@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.features.light.cosine_weights import cosine_weights
 from reflest_core.features.light.explained_light import explain
-from reflest_core.features.light.irradiance import DARKEST, mean_radiance
+from reflest_core.features.light.irradiance import DARKEST, incoming, weighted_radiance
 from reflest_core.features.light.light_zones import light_zones
 from reflest_core.features.light.lobe_fit import fit_lobes
 from reflest_core.features.light.scene_statistics import scene_statistics
@@ -74,8 +75,9 @@ def shading(
     if "completion" in without:
         found = dataclasses.replace(found, light=found.filled)
     sample = sampled(surface, voxels)
-    sight = found.occluders.sight(surface.positions[voxels], sample.normals)
-    diffuse = mean_radiance(found.light, sample.normals, sight)
+    weights = cosine_weights(sample.normals)
+    sight = found.occluders.sight(surface.positions[voxels], sample.normals, weights)
+    diffuse = weighted_radiance(found.light, incoming(weights, sight))
     diffuse_light = np.maximum(diffuse[:, :3], DARKEST)
     lobes = lobe_radiance(
         found.light, sample.normals[sample.voxel_of], sample.directions, sight.of(sample.voxel_of)

@@ -11,13 +11,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from reflest_core.features.light.cosine_weights import SIZE, cosine_weights
-from reflest_core.features.light.patch_grid import EDGE, PATCHES, texels_of_patches
+from reflest_core.features.light.cosine_weights import SIZE
+from reflest_core.features.light.patch_grid import EDGE, PATCHES, patches_of_texels
 from reflest_core.fusion.octahedral import octahedral_texel
 from reflest_core.jit import compiled, kernel_array
 
@@ -73,16 +74,27 @@ class Occluders:
         areas = math.pi * distances[:, -1] ** 2 / NEIGHBOURS
         return Occluders(positions, normals, areas.astype(np.float32), own)
 
-    def sight(self, positions: NDArray[np.float32], normals: NDArray[np.float32]) -> Sight:
-        """Of voxels at ``positions`` with ``normals``, (V, 3)."""
+    def sight(
+        self,
+        positions: NDArray[np.float32],
+        normals: NDArray[np.float32],
+        weights: NDArray[np.float32],
+    ) -> Sight:
+        """Of voxels at ``positions``, (V, 3), with ``normals`` and :func:`.cosine_weights`."""
         hidden = _hidden_shares(
             kernel_array(self.positions, np.float32), kernel_array(self.normals, np.float32),
             kernel_array(self.areas, np.float32),
             kernel_array(positions, np.float32), kernel_array(normals, np.float32), EDGE,
         )  # fmt: skip
-        whole = cosine_weights(normals)[:, texels_of_patches(SIZE)].sum(axis=2)
+        whole = weights @ _patch_sums()
         shares = np.minimum(hidden / np.maximum(whole, LEAST_SHARE), 1.0)
         return Sight(np.asarray(1.0 - shares, np.float32), self.own)
+
+
+@cache
+def _patch_sums() -> NDArray[np.float32]:
+    """(SIZE * SIZE, P): 1 where a texel is of a patch."""
+    return np.eye(PATCHES, dtype=np.float32)[patches_of_texels(SIZE)]
 
 
 @compiled

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from reflest_core.features.light.completion import complete
+from reflest_core.features.light.cosine_weights import cosine_weights
 from reflest_core.features.light.explained_light import completed
 from reflest_core.features.light.gloss_fit import GlossFit
 from reflest_core.features.light.irradiance import incoming, mean_radiance
@@ -42,7 +43,7 @@ def explained(rho_s):
     sample = ball(sky(), ALBEDO, rho_s, ROUGHNESS)
     light = seen_below(sky(), 0.3)
     filled = complete(light)
-    response = diffuse_response(light, filled, incoming(sample.normals))
+    response = diffuse_response(light, filled, incoming(cosine_weights(sample.normals)))
     mirrored = reflection(filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions)
     start = np.full(3, 0.3, np.float32)
     whole = infer_light_by_gloss(sample, response, mirrored, told(rho_s), start)
@@ -105,7 +106,7 @@ def test_a_channel_that_is_all_clipped_says_nothing():
     sample.clipped[:, 0] = True
     found = infer_light_by_gloss(
         sample,
-        diffuse_response(light, filled, incoming(sample.normals)),
+        diffuse_response(light, filled, incoming(cosine_weights(sample.normals))),
         reflection(filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions),
         told(0.3),
         np.full(3, 0.3, np.float32),

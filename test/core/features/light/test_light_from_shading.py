@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from reflest_core.features.light.completion import complete
+from reflest_core.features.light.cosine_weights import cosine_weights
 from reflest_core.features.light.explained_light import completed
 from reflest_core.features.light.irradiance import incoming, mean_radiance
 from reflest_core.features.light.light_from_shading import infer_light
@@ -49,7 +50,7 @@ def colours_under(radiance):
 def inferred(observed, colours, prior=EVEN):
     filled = complete(observed)
     (found,) = infer_light(
-        diffuse_response(observed, filled, incoming(normals())), colours, (prior,)
+        diffuse_response(observed, filled, incoming(cosine_weights(normals()))), colours, (prior,)
     )
     return filled, found
 
@@ -85,7 +86,7 @@ def test_an_unseen_lamp_is_found_where_it_is():
 def test_parts_of_the_light_add_up_to_the_filled_light():
     observed = seen_as(sky(), (octahedral_directions(SIZE)[..., 0] < 0.1).astype(np.float32))
     filled = complete(observed)
-    response = diffuse_response(observed, filled, incoming(normals()))
+    response = diffuse_response(observed, filled, incoming(cosine_weights(normals())))
     whole = response.seen + response.unseen.sum(axis=1)
     np.testing.assert_allclose(whole, mean_radiance(filled, normals())[:, :3], rtol=0.02)
     assert response.unseen.shape == (400, PATCHES, 3)

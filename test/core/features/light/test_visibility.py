@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from reflest_core.features.light.completion import complete
+from reflest_core.features.light.cosine_weights import cosine_weights
 from reflest_core.features.light.explained_light import explain
 from reflest_core.features.light.irradiance import incoming, mean_radiance
 from reflest_core.features.light.light_patches import diffuse_response
@@ -41,12 +42,13 @@ def wall(height, length=40.0, spacing=0.1):
 
 def hidden_share(occluders, position, normal=UP):
     position = np.float32([position])
-    return float(incoming(normal, occluders.sight(position, normal)).hidden[0])
+    weights = cosine_weights(normal)
+    return float(incoming(weights, occluders.sight(position, normal, weights)).hidden[0])
 
 
 def test_a_convex_surface_hides_nothing_from_itself():
     points = spiral(400)
-    sight = Occluders.of(points, points, OWN).sight(points, points)
+    sight = Occluders.of(points, points, OWN).sight(points, points, cosine_weights(points))
     assert (sight.visible > 0.97).all()
     assert sight.visible.mean() > 0.999
 
@@ -67,7 +69,7 @@ def test_a_bowl_hides_half_of_the_light_from_its_bottom():
 
 
 def test_light_is_hidden_where_the_wall_is():
-    sight = wall(3.0).sight(np.zeros((1, 3), np.float32), UP)
+    sight = wall(3.0).sight(np.zeros((1, 3), np.float32), UP, cosine_weights(UP))
     towards, away = (
         patches_of_texels(24)[octahedral_texels(np.float32([direction]), 24)[0]]
         for direction in ([0.0, 1.0, 0.5], [0.0, -1.0, 0.5])
@@ -84,7 +86,7 @@ def test_a_wall_that_faces_away_hides_nothing():
 
 def test_a_few_voxels_hide_nothing():
     points = spiral(NEIGHBOURS)
-    sight = Occluders.of(points, -points, OWN).sight(points, -points)
+    sight = Occluders.of(points, -points, OWN).sight(points, -points, cosine_weights(-points))
     np.testing.assert_array_equal(sight.visible, 1.0)
 
 
@@ -107,7 +109,7 @@ def test_what_hides_the_light_sends_its_own_instead():
     np.testing.assert_allclose(furnace[:, :3], np.tile(OWN, (50, 1)), rtol=1e-5)
     np.testing.assert_allclose(furnace[:, 3], 1.0, rtol=1e-5)
     dark = mean_radiance(complete(even((1e-9,) * 3)), normals, sight)
-    share = 1.0 - incoming(normals, sight).weights.sum(axis=1)
+    share = 1.0 - incoming(cosine_weights(normals), sight).weights.sum(axis=1)
     np.testing.assert_allclose(dark[:, :3], share[:, None] * OWN, atol=1e-6)
     lobes = lobe_radiance(light, normals, normals, sight)
     without = lobe_radiance(light, normals, normals)
@@ -121,7 +123,7 @@ def test_parts_of_the_light_add_up_past_what_is_hidden():
     filled = complete(light)
     sample = ball(sky, np.array([0.2, 0.2, 0.2]), 0.3, 4)
     sight = half_hidden(len(sample.normals))
-    parts = diffuse_response(light, filled, incoming(sample.normals, sight))
+    parts = diffuse_response(light, filled, incoming(cosine_weights(sample.normals), sight))
     whole = mean_radiance(filled, sample.normals, sight)[:, :3]
     np.testing.assert_allclose(parts.seen + parts.unseen.sum(axis=1), whole, rtol=0.05)
     normals, of_observations = sample.normals[sample.voxel_of], sight.of(sample.voxel_of)
