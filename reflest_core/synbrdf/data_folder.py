@@ -37,6 +37,15 @@ def begin_manifest(folder: Path, manifest: dict[str, Any]) -> None:
         )
 
 
+def read_manifest(folder: Path) -> dict[str, Any]:
+    """What the data set in ``folder`` is; :class:`SceneFileError` where there is none."""
+    path = folder / MANIFEST
+    if not path.is_file():
+        raise SceneFileError(f"{folder} has no {MANIFEST}; make it with 'reflest synbrdf generate'")
+    manifest: dict[str, Any] = json.loads(path.read_text())
+    return manifest
+
+
 def write_json(path: Path, content: dict[str, Any]) -> None:
     """Write whole or not at all, keys sorted."""
     write_atomically(path, (json.dumps(content, indent=1, sort_keys=True) + "\n").encode())

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import json
 from concurrent.futures import as_completed
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,15 +13,13 @@ import numpy as np
 from tqdm import tqdm
 
 from reflest_core.errors import ReflestError
-from reflest_core.synbrdf.data_folder import begin_manifest
+from reflest_core.synbrdf.data_folder import begin_manifest, read_manifest
 from reflest_core.synbrdf.environments import EnvironmentSource, load_environment
 from reflest_core.synbrdf.generation import Generation
 from reflest_core.synbrdf.process_pool import process_pool
 from reflest_core.synbrdf.relit_scene import drawn_anew, is_relightable
 from reflest_core.synbrdf.scene_file import (
     FORMAT,
-    MANIFEST,
-    SceneFileError,
     load_shard,
     shard_bytes,
     write_atomically,
@@ -52,7 +49,7 @@ class Relighting:
 
     def lights(self) -> list[EnvironmentSource]:
         """The environments of training; raises :class:`RelightingRefused` where they are others."""
-        manifest = _manifest(self.source)
+        manifest = read_manifest(self.source)
         generation = Generation(
             manifest["seed"], {}, environments=self.environments, without=self.without,
             extra_environments=self.extra_environments,
@@ -67,7 +64,7 @@ class Relighting:
 
     def manifest(self, lights: list[EnvironmentSource]) -> dict[str, Any]:
         """What a resumed run must agree with."""
-        source = _manifest(self.source)
+        source = read_manifest(self.source)
         return {
             "format": FORMAT,
             "seed": source["seed"],
@@ -110,7 +107,7 @@ def relight(out: Path, relighting: Relighting, jobs: int) -> None:
 def _relight_shard(shard: Path, copy: int, out: Path, lights: list[EnvironmentSource]) -> None:
     """Every scene that Eq. 1 holds for; a shard may end with fewer than it began with."""
     maps = [load_environment(light) for light in lights]
-    seed = int(_manifest(shard.parent)["seed"])
+    seed = int(read_manifest(shard.parent)["seed"])
     relit = []
     for scene in load_shard(shard):
         if not is_relightable(scene):
@@ -123,11 +120,3 @@ def _relight_shard(shard: Path, copy: int, out: Path, lights: list[EnvironmentSo
 
 def _path(out: Path, shard: Path, copy: int) -> Path:
     return out / f"{shard.stem}-{copy}.safetensors"
-
-
-def _manifest(folder: Path) -> dict[str, Any]:
-    path = folder / MANIFEST
-    if not path.is_file():
-        raise SceneFileError(f"{folder} has no {MANIFEST}; make it with 'reflest synbrdf generate'")
-    manifest: dict[str, Any] = json.loads(path.read_text())
-    return manifest

@@ -4,12 +4,11 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from reflest_core.synbrdf.scene_file import MANIFEST, SceneFileError
+from reflest_core.synbrdf.data_folder import read_manifest
 from reflest_core.synbrdf.source_fingerprint import source_fingerprint
 from reflest_core.training.light.look_plan import SHADED_PARTS, SOURCES, LookPlan
 from reflest_core.training.light.shading_file import LookCard
@@ -54,7 +53,7 @@ def load_light_data(
     what is measured as it is. Held-out looks are at its training scenes.
     """
     hold_out, without = recipe.hold_out, _shaded_without(recipe)
-    seeds = {folder.resolve().name: _manifest(folder).get("seed") for folder in folders}
+    seeds = {folder.resolve().name: read_manifest(folder).get("seed") for folder in folders}
 
     def is_known(card: LookCard) -> bool:
         return not set(card.environment.split("+")) & set(hold_out)
@@ -80,7 +79,7 @@ def load_light_data(
 
 
 def _held_out(data: Path, recipe: Recipe, place: ShadingPlace) -> Shadings:
-    known = _manifest(data).get("environments", [])
+    known = read_manifest(data).get("environments", [])
     for name in recipe.hold_out:
         if name not in known:
             raise TrainingError(
@@ -92,11 +91,3 @@ def _held_out(data: Path, recipe: Recipe, place: ShadingPlace) -> Shadings:
 
 def _shaded_without(recipe: Recipe) -> tuple[str, ...]:
     return tuple(part for part in recipe.without if part in SHADED_PARTS)
-
-
-def _manifest(folder: Path) -> dict[str, Any]:
-    path = folder / MANIFEST
-    if not path.is_file():
-        raise SceneFileError(f"{folder} has no {MANIFEST}; make it with 'reflest synbrdf generate'")
-    manifest: dict[str, Any] = json.loads(path.read_text())
-    return manifest
