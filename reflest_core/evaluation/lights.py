@@ -4,14 +4,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from reflest_core.evaluation.perception import Lights
 from reflest_core.rendering.environments import studio
+from reflest_core.synbrdf.data_folder import read_manifest
 from reflest_core.synbrdf.environments import find_environments, load_environment
 from reflest_core.synbrdf.procedural_sky import procedural_sky
-from reflest_core.synbrdf.scene_file import MANIFEST
 from reflest_core.synbrdf.splits import Split, sources_of
 
 COUNT = 3
@@ -27,7 +26,7 @@ def unseen_lights(data: Path, environments: Path | None) -> Lights:
     if environments is None:
         skies = {f"sky {seed}": procedural_sky(seed) for seed in SKY_SEEDS}
         return {"studio": studio(), **skies}
-    seed = int(json.loads((data / MANIFEST).read_text())["seed"])
+    seed = int(read_manifest(data)["seed"])
     held_out = sources_of(Split.UNSEEN, find_environments(environments), [], seed).environments
     spread = [held_out[k * len(held_out) // COUNT] for k in range(min(COUNT, len(held_out)))]
     return {source.name: load_environment(source) for source in spread}

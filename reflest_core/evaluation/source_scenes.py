@@ -4,15 +4,15 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 from reflest_core.evaluation.contenders import EvaluationError
+from reflest_core.synbrdf.data_folder import read_manifest
 from reflest_core.synbrdf.generation import Generation
 from reflest_core.synbrdf.metering import Metering
 from reflest_core.synbrdf.scene import Lighting, Scene
-from reflest_core.synbrdf.scene_file import MANIFEST, SynbrdfScene
+from reflest_core.synbrdf.scene_file import SynbrdfScene
 from reflest_core.synbrdf.splits import Split
 
 
@@ -20,7 +20,7 @@ class SourceScenes:
     """Draws scenes of the data set in ``data``; ``generation``: what it was asked to be."""
 
     def __init__(self, data: Path, environments: Path | None, meshes: Path | None) -> None:
-        manifest = json.loads((data / MANIFEST).read_text())
+        manifest = read_manifest(data)
         self.generation = generation_of(manifest, environments, meshes)
 
     def drawn(self, scene: SynbrdfScene) -> Scene:

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from reflest_core.synbrdf.data_folder import read_manifest
 from reflest_core.synbrdf.realism.settings import Effect
-from reflest_core.synbrdf.scene_file import MANIFEST
 from reflest_core.training.sample import Degradation, Sample, load_samples
 from reflest_core.training.sample_file import read_samples, save_samples
 
@@ -52,7 +52,7 @@ def _load(folder: Path, degradation: Degradation | None, is_first: bool = True) 
         return TrainingData(_unpack(folder, "train"), _unpack(folder, "validation"), described)
     training = load_samples(folder, "train")
     validation = load_samples(folder, "validation") if is_first else []
-    manifest = json.loads((folder / MANIFEST).read_text())
+    manifest = read_manifest(folder)
     described = {
         "seed": manifest.get("seed"),
         "train": len(training),

@@ -33,7 +33,7 @@ def views(record: Record) -> Lines:
 
 
 def look_around(record: Record) -> Lines:
-    """What frames beside the object buy."""
+    """What it buys to know more of the light than the scans show."""
     body = []
     for row in record["rows"]:
         scan, looked, known = row["scan"], row["with"], row["panorama"]
