@@ -23,7 +23,7 @@ LEAST = 0.02
 """Albedos below it count as it in logarithms."""
 GLOSSY = 0.2
 """``rho_s`` above which roughness is asked for."""
-FITS = ("diffuse colours", "observations with their gloss", "diffuse colours, free prior")
+FITS = ("diffuse colours", "observations with their gloss", "the same, unseen light dim")
 
 
 def row(name: str, found: NDArray[np.float64], truth: NDArray[np.float64]) -> str:

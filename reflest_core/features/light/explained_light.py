@@ -22,7 +22,7 @@ from reflest_core.features.light.irradiance import (
 from reflest_core.features.light.light_from_reflections import infer_light_by_gloss
 from reflest_core.features.light.light_from_shading import InferredLight, infer_light
 from reflest_core.features.light.light_patches import diffuse_response
-from reflest_core.features.light.light_prior import EVEN, FREE
+from reflest_core.features.light.light_prior import BRIGHT, DIM
 from reflest_core.features.light.material_fit import MaterialFit, fit_material
 from reflest_core.features.light.patch_grid import patch_image
 from reflest_core.features.light.reflected_detail import reflected_detail
@@ -37,6 +37,8 @@ from reflest_core.fusion.thinning import thinned
 
 SHADED, SAMPLED = 512, 96
 """Voxels whose diffuse colours tell of the light; those whose observations tell of gloss."""
+ASKED = 2
+"""Every second of these observations tells of the light: all say hardly more, and take longer."""
 
 
 @dataclass(frozen=True)
@@ -46,10 +48,10 @@ class Explanation:
     ``filled``, ``light``: the light after pull and push alone, and as the surface completes it.
     ``incoming``: of D voxels, ``colours``: (D, 3) of theirs, linear, without highlights.
     ``occluders``: what the object hides of the light.
-    ``sample``: the observations that the material was fitted to, ``lobes``: (O, K, 5) the light in
-    their lobes. ``inferred``: the light by the diffuse colours, by the observations with their
-    gloss, and by the diffuse colours with a free prior. ``gloss``: by what was seen alone.
-    ``material``: by the whole light. ``detail``: see :func:`reflected_detail`.
+    ``sample``: the observations that gloss was told from. ``lobes``: (Q, K, 5), the whole light in
+    the lobes of those that the material was fitted to. ``inferred``: the light by the diffuse
+    colours, by the observations with their gloss, and by these if unseen light is dim. ``gloss``:
+    by what was seen. ``material``: by the whole light. ``detail``: see :func:`reflected_detail`.
     """
 
     filled: LightPyramid
@@ -84,25 +86,29 @@ def explain(
     arriving = incoming(weights, sight)
     response = diffuse_response(light, filled, arriving)
     sample = sampled(surface, choose_voxels(surface, SAMPLED))
-    first, free = infer_light(response, colours, (EVEN, FREE))
+    shading = infer_light(response, colours)
     weights = cosine_weights(sample.normals)
     sight = occluders.sight(surface.positions[sample.voxels], sample.normals, weights)
-    of_observations = sight.of(sample.voxel_of)
-    normals_of_sample = sample.normals[sample.voxel_of]
-    lobes = lobe_radiance(filled, normals_of_sample, sample.directions, of_observations)
+    lobes = lobe_radiance(
+        filled, sample.normals[sample.voxel_of], sample.directions, sight.of(sample.voxel_of)
+    )
     gloss = fit_gloss(sample.colours, sample.clipped, lobes, sample.voxel_of)
+    asked = sample.every(ASKED)
+    arriving_there = incoming(weights, sight)
     mirrored = reflection(
-        filled, gloss.roughness, normals_of_sample, sample.directions, of_observations
+        filled, gloss.roughness, sample.normals[asked.voxel_of], asked.directions,
+        sight.of(asked.voxel_of),
+    )  # fmt: skip
+    response = diffuse_response(light, filled, arriving_there)
+    bright, dim = (
+        infer_light_by_gloss(asked, response, mirrored, gloss, shading.albedo, prior)
+        for prior in (BRIGHT, DIM)
     )
-    of_sample = incoming(weights, sight)
-    whole = infer_light_by_gloss(
-        sample, diffuse_response(light, filled, of_sample), mirrored, gloss, first.albedo
-    )
-    final = completed(light, filled, whole)
-    material, lobes = _material(sample, of_sample, of_observations, final)
+    final = completed(light, filled, bright)
+    material, lobes = _material(asked, arriving_there, sight.of(asked.voxel_of), final)
     detail = reflected_detail(surface, voxels)
     return Explanation(
-        filled, final, arriving, occluders, colours, sample, lobes, (first, whole, free), gloss,
+        filled, final, arriving, occluders, colours, sample, lobes, (shading, bright, dim), gloss,
         material, detail,
     )  # fmt: skip
 

@@ -29,8 +29,8 @@ from reflest_core.features.light.light_prior import (
 )
 from reflest_core.features.light.surface_sample import SurfaceSample
 
-TURNS = 4
-RELATIVE, LEAST = 0.1, 0.003
+TURNS = 6
+RELATIVE, LEAST = 0.07, 0.003
 """Standard deviation of a radiance: share of itself, and in units of the sensor's white."""
 HIDDEN = 0.5
 """The same of what unknown light adds to a reflection: a patch is not even, and lobes are small."""
@@ -46,6 +46,7 @@ def infer_light_by_gloss(
     reflection: PatchResponse,
     gloss: GlossFit,
     albedo: NDArray[np.float32],
+    prior: LightPrior = BRIGHT,
 ) -> InferredLight:
     """Explain the ``sample``'s colours, highlights and all.
 
@@ -55,7 +56,9 @@ def infer_light_by_gloss(
     rho_s = float(gloss.weight @ gloss.gloss)
     return InferredLight.of(
         [
-            _infer_channel(sample, response, reflection, rho_s, float(albedo[channel]), channel)
+            _infer_channel(
+                sample, response, reflection, rho_s, float(albedo[channel]), channel, prior
+            )
             for channel in range(3)
         ]
     )
@@ -68,11 +71,11 @@ def _infer_channel(
     rho_s: float,
     albedo: float,
     channel: int,
-    prior: LightPrior = BRIGHT,
+    prior: LightPrior,
 ) -> ChannelLight:
     known = ~sample.clipped[:, channel]
     if known.sum() < FEWEST:
-        return prior.mean, albedo, 1.0, 0.0
+        return prior.mean.copy(), albedo, 1.0, 0.0
     colours = sample.colours[known, channel]
     target = colours - rho_s * reflection.seen[known, channel]
     noise = RELATIVE * colours + LEAST
@@ -90,11 +93,7 @@ def _infer_channel(
         weight = 1.0 / variance
         if turn > 0:
             weight = weight / (1.0 + (columns @ found - target) ** 2 / variance)
-        root = np.sqrt(weight).astype(np.float32)
-        weighted = columns * root[:, None]
-        data_matrix = (weighted.T @ weighted).astype(np.float64)
-        data_vector = (weighted.T @ (target * root)).astype(np.float64)
-        found, matrix = unknowns.most_likely(data_matrix, data_vector, found)
+        found, matrix = unknowns.most_likely(columns, target, weight, found)
         factors[1:] = found[1:] / max(float(found[0]), 1e-3)
     error = (columns @ found - target) / noise
     misfit = RELATIVE * float(np.sqrt(np.log1p(error**2).mean()))

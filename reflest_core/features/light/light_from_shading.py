@@ -9,7 +9,6 @@ at least 0. Priors keep what the shading does not tell at plausible values.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 from reflest_core.features.light.light_patches import PatchResponse
 from reflest_core.features.light.light_prior import (
     ALBEDO,
-    EVEN,
+    BRIGHT,
     LightPrior,
     Unknowns,
     log_albedo_deviation,
@@ -28,8 +27,9 @@ from reflest_core.features.light.patch_grid import PATCHES
 
 NOISE, DARK_NOISE = 0.07, 0.01
 """Standard deviation of a colour about the model: share of itself, and of the brightest."""
-ROUNDS = 3
-"""The priors' widths are in units of ``rho_d``, which is known after a round."""
+ROUNDS = 4
+"""The prior's widths are in units of ``rho_d``, which is known after a round; highlights and what
+the object hides lose their weight."""
 
 ChannelLight = tuple[NDArray[np.float64], float, float, float]
 """Factors (2 P,) of the patches, albedo, deviation of its logarithm, misfit."""
@@ -59,49 +59,28 @@ class InferredLight:
 
 
 def infer_light(
-    response: PatchResponse, colours: NDArray[np.float32], priors: Sequence[LightPrior] = (EVEN,)
-) -> list[InferredLight]:
-    """Explain diffuse ``colours`` (V, 3), linear, under each prior; those at 1 say nothing."""
-    channels = [_System.of(response, colours[:, channel], channel) for channel in range(3)]
-    return [
-        InferredLight.of([channel.explained(prior) for channel in channels]) for prior in priors
-    ]
+    response: PatchResponse, colours: NDArray[np.float32], prior: LightPrior = BRIGHT
+) -> InferredLight:
+    """Explain diffuse ``colours`` (V, 3), linear; those at 1 say nothing."""
+    return InferredLight.of(
+        [_infer_channel(response, colours[:, channel], channel, prior) for channel in range(3)]
+    )
 
 
-@dataclass(frozen=True)
-class _System:
-    """One channel's least squares: U unknowns that matter, R colours.
-
-    ``used``: (R, U) answers, ``target``: (R,) colours, ``noise``: (R,) their standard deviations.
-    ``matrix``: (U, U) and ``vector``: (U,), the normal equations.
-    """
-
-    matters: NDArray[np.bool_]
-    used: NDArray[np.float64]
-    target: NDArray[np.float64]
-    noise: NDArray[np.float64]
-    matrix: NDArray[np.float64]
-    vector: NDArray[np.float64]
-
-    @staticmethod
-    def of(response: PatchResponse, colours: NDArray[np.float32], channel: int) -> _System:
-        known = colours < 1.0
-        target = colours[known].astype(np.float64)
-        noise = NOISE * target + DARK_NOISE * max(float(target.max(initial=0.0)), 1e-3)
-        columns = response.columns(known, channel)
-        matters = which_matter(columns)
-        used = columns[:, matters].astype(np.float64)
-        weighted = used / noise[:, None]
-        return _System(
-            matters, used, target, noise, weighted.T @ weighted, weighted.T @ (target / noise)
-        )
-
-    def explained(self, prior: LightPrior) -> ChannelLight:
-        unknowns = Unknowns(self.matters, prior)
-        found = unknowns.expected(ALBEDO[0])
-        for _ in range(ROUNDS):
-            found, matrix = unknowns.most_likely(self.matrix, self.vector, found)
-        errors = (self.used @ found - self.target) / self.noise
-        misfit = NOISE * float(np.sqrt((errors**2).mean())) if len(errors) else 0.0
-        deviation = log_albedo_deviation(found, matrix)
-        return unknowns.factors(found), max(float(found[0]), 1e-3), deviation, misfit
+def _infer_channel(
+    response: PatchResponse, colours: NDArray[np.float32], channel: int, prior: LightPrior
+) -> ChannelLight:
+    known = colours < 1.0
+    target = colours[known]
+    noise = NOISE * target + DARK_NOISE * max(float(target.max(initial=0.0)), 1e-3)
+    columns = response.columns(known, channel)
+    unknowns = Unknowns(which_matter(columns), prior)
+    columns = columns[:, unknowns.matters]
+    found, errors = unknowns.expected(ALBEDO[0]), np.zeros(len(target))
+    for _ in range(ROUNDS):
+        weight = 1.0 / (noise**2 * (1.0 + errors**2))
+        found, matrix = unknowns.most_likely(columns, target, weight, found)
+        errors = (columns @ found - target) / noise
+    misfit = NOISE * float(np.sqrt(np.log1p(errors**2).mean())) if len(errors) else 0.0
+    deviation = log_albedo_deviation(found, matrix)
+    return unknowns.factors(found), max(float(found[0]), 1e-3), deviation, misfit

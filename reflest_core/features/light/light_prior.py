@@ -5,51 +5,65 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.features.light.nonnegative import nonnegative_minimum
-from reflest_core.features.light.patch_grid import PATCHES
+from reflest_core.features.light.patch_grid import PATCHES, patch_directions
 
-ALBEDO = (0.3, 0.4)
+ALBEDO = (0.3, 0.25)
 """Prior mean and standard deviation of ``rho_d``."""
 DARKEST_ALBEDO = 0.02
 """The prior's widths are in units of ``rho_d``, but of no less than this."""
 NEGLIGIBLE = 1e-4
 """Of the strongest response: what answers less to a patch tells nothing of it."""
+LEVEL = 0.3
+"""Sine of the elevation up to which, above and below, a patch is beside the object."""
 
 Array = NDArray[np.float64]
+Expected = tuple[float, float]
+"""Mean and standard deviation."""
 
 
 @dataclass(frozen=True)
 class LightPrior:
-    """Mean and standard deviation of what a patch holds.
+    """What a patch holds, by where it is.
 
-    ``unseen``: in multiples of its smooth fill. ``excess``: radiance above white where clipped, in
-    multiples of white.
+    ``above``, ``beside``, ``below``: unseen light of patches there, in multiples of its smooth
+    fill. ``excess``: radiance above white where clipped, in multiples of white.
     """
 
-    unseen: tuple[float, float]
-    excess: tuple[float, float] = (3.0, 12.0)
+    above: Expected
+    beside: Expected
+    below: Expected
+    excess: Expected = (4.0, 16.0)
 
-    @property
+    @cached_property
     def mean(self) -> Array:
         """(2 P,), of unseen light and of the excess."""
-        return np.repeat([self.unseen[0], self.excess[0]], PATCHES)
+        return self._of_patches(0)
 
-    @property
+    @cached_property
     def width(self) -> Array:
         """(2 P,) standard deviations."""
-        return np.repeat([self.unseen[1], self.excess[1]], PATCHES)
+        return self._of_patches(1)
+
+    def _of_patches(self, which: int) -> Array:
+        heights = patch_directions()[:, 2]
+        unseen = np.select(
+            [heights > LEVEL, heights < -LEVEL],
+            [self.above[which], self.below[which]],
+            self.beside[which],
+        )
+        return np.concatenate([unseen, np.full(PATCHES, self.excess[which])])
 
 
-EVEN = LightPrior((1.0, 1.2))
-"""Unseen light is about as bright as what was seen beside it."""
-FREE = LightPrior((3.0, 6.0))
-"""It may be a bright sky above a scan that only ever looked down."""
-BRIGHT = LightPrior((5.0, 10.0))
-"""It usually is, and reflections will tell where."""
+BRIGHT = LightPrior((6.0, 10.0), (2.5, 5.0), (1.2, 1.5))
+"""What an orbit does not see is above, and usually bright: a sky, a lamp, a window."""
+DIM = LightPrior((2.0, 3.0), (1.5, 2.0), (1.0, 1.0))
+"""As if it were not: how much the albedo then differs says what it hangs on."""
 
 
 def which_matter(columns: NDArray[np.floating]) -> NDArray[np.bool_]:
@@ -76,22 +90,30 @@ class Unknowns:
 
     def factors(self, found: Array) -> Array:
         """(2 P,): what each patch holds; the prior's mean where nothing is said of it."""
-        factors = self.prior.mean
+        factors = self.prior.mean.copy()
         factors[self.matters[1:]] = found[1:] / max(float(found[0]), 1e-3)
         return factors
 
     def most_likely(
-        self, data_matrix: Array, data_vector: Array, start: Array
+        self,
+        columns: NDArray[np.floating],
+        target: NDArray[np.floating],
+        weight: NDArray[np.floating],
+        start: Array,
     ) -> tuple[Array, Array]:
         """The unknowns under prior and data, none negative, and the whole system's matrix.
 
-        ``data_matrix``, ``data_vector``: normal equations of the unknowns that matter. ``start``:
-        the last answer, whose albedo sets the prior's widths.
+        ``columns``: (R, U), answers to the unknowns that matter. ``target``, ``weight``: (R,), what
+        they should add up to, and its inverse variance. ``start``: the last answer, whose albedo
+        sets the prior's widths.
         """
+        root = np.sqrt(weight).astype(np.float32)
+        weighted = columns * root[:, None]
+        matrix = (weighted.T @ weighted).astype(np.float64)
+        vector = (weighted.T @ (target * root)).astype(np.float64)
         mean = self.prior.mean[self.matters[1:]]
         width = self.prior.width[self.matters[1:]]
         precision = 1.0 / (width * max(float(start[0]), DARKEST_ALBEDO)) ** 2
-        matrix, vector = data_matrix.copy(), data_vector.copy()
         diagonal = np.arange(1, len(matrix))
         matrix[diagonal, diagonal] += precision
         matrix[0, 1:] -= precision * mean

@@ -9,9 +9,17 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.fusion.octahedral import octahedral_directions
+
 EDGE = 6
 """Patches along an edge of the octahedral map: 34 degrees each, in the mean."""
 PATCHES = EDGE * EDGE
+
+
+@cache
+def patch_directions() -> NDArray[np.float32]:
+    """(P, 3) unit, to the patches' middles."""
+    return octahedral_directions(EDGE).reshape(-1, 3)
 
 
 @cache

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,6 +34,15 @@ class SurfaceSample:
     directions: NDArray[np.float32]
     colours: NDArray[np.float32]
     clipped: NDArray[np.bool_]
+
+    def every(self, step: int) -> SurfaceSample:
+        """The first of every ``step`` observations."""
+        kept = slice(None, None, step)
+        return dataclasses.replace(
+            self, voxel_of=self.voxel_of[kept], slot=self.slot[kept],
+            directions=self.directions[kept], colours=self.colours[kept],
+            clipped=self.clipped[kept],
+        )  # fmt: skip
 
     def spread(self, values: NDArray[np.floating[Any]]) -> NDArray[np.float32]:
         """(O, ...) of the observations to (V, 12, ...), zeros where there is none."""

@@ -35,7 +35,7 @@ def lobe_radiance(
     ``normals`` and ``directions`` (towards the camera): (O, 3) unit. The first three are the
     radiance reflected at ``rho_s = 1``; then the seen and the clipped share of the lobe. ``sight``:
     of the O observations; without, the object hides nothing of the light. What it sends itself
-    counts as seen.
+    counts as unseen: only its mean colour is known.
     Half vectors are stratified over the lobe, ``tan theta_h = alpha sqrt(-ln(1 - u))``, and weigh
     ``(omega_o . h) cos^3 theta_h sqrt(cos theta_i / cos theta_o)``, which is f / pdf for Eq. 1.
     """
@@ -138,6 +138,6 @@ def _gather(
             gathered[observation, roughness, 0] = (red + itself * own[0]) / samples
             gathered[observation, roughness, 1] = (green + itself * own[1]) / samples
             gathered[observation, roughness, 2] = (blue + itself * own[2]) / samples
-            gathered[observation, roughness, 3] = (seen + itself) / max(total, 1e-6)
+            gathered[observation, roughness, 3] = seen / max(total, 1e-6)
             gathered[observation, roughness, 4] = clipped / max(total, 1e-6)
     return gathered

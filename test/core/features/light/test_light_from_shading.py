@@ -11,7 +11,7 @@ from reflest_core.features.light.explained_light import completed
 from reflest_core.features.light.irradiance import incoming, mean_radiance
 from reflest_core.features.light.light_from_shading import infer_light
 from reflest_core.features.light.light_patches import diffuse_response
-from reflest_core.features.light.light_prior import EVEN, FREE
+from reflest_core.features.light.light_prior import BRIGHT
 from reflest_core.features.light.patch_grid import PATCHES
 from reflest_core.fusion.light_map import SIZE, ObservedLight
 from reflest_core.fusion.octahedral import octahedral_directions
@@ -47,10 +47,10 @@ def colours_under(radiance):
     return np.minimum(ALBEDO * light, 1.0).astype(np.float32), light
 
 
-def inferred(observed, colours, prior=EVEN):
+def inferred(observed, colours, prior=BRIGHT):
     filled = complete(observed)
-    (found,) = infer_light(
-        diffuse_response(observed, filled, incoming(cosine_weights(normals()))), colours, (prior,)
+    found = infer_light(
+        diffuse_response(observed, filled, incoming(cosine_weights(normals()))), colours, prior
     )
     return filled, found
 
@@ -76,7 +76,7 @@ def test_an_unseen_lamp_is_found_where_it_is():
     directions = octahedral_directions(SIZE)
     colours, truth = colours_under(radiance)
     observed = seen_as(radiance, (directions[..., 2] < 0.2).astype(np.float32))
-    filled, found = inferred(observed, colours, FREE)
+    filled, found = inferred(observed, colours)
     light = completed(observed, filled, found)
     assert error_of(light, truth) < 0.5 * error_of(filled, truth)
     brightest = np.unravel_index(light.levels[0][..., 0].argmax(), (SIZE, SIZE))

@@ -113,7 +113,10 @@ def test_what_hides_the_light_sends_its_own_instead():
     np.testing.assert_allclose(dark[:, :3], share[:, None] * OWN, atol=1e-6)
     lobes = lobe_radiance(light, normals, normals, sight)
     without = lobe_radiance(light, normals, normals)
-    np.testing.assert_allclose(lobes, without, atol=1e-5)
+    np.testing.assert_allclose(lobes[..., :3], without[..., :3], atol=1e-5)
+    # What the object sends is known by its mean colour alone: it does not count as seen.
+    np.testing.assert_allclose(without[..., 3], 1.0, atol=1e-5)
+    assert (lobes[..., 3].min(axis=1) < 0.9).all()
 
 
 def test_parts_of_the_light_add_up_past_what_is_hidden():
