@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from reflest_core.features.light.gloss_fit import fit_gloss
+from reflest_core.features.light.gloss_fit import _first_deviation, fit_gloss
 
 K, TRUE, GLOSS = 8, 2, 0.35
 
@@ -39,16 +39,41 @@ def test_outliers_hardly_matter(scene):
     assert fit.gloss[TRUE] == pytest.approx(GLOSS, abs=0.05)
 
 
-def test_lobes_into_unseen_or_clipped_light_are_left_out(scene):
+def test_lobes_into_unseen_light_are_left_out(scene):
     """Their radiance is a guess: here it is far off, and must not be believed."""
     colours, clipped, lobes, voxel_of = scene
     lobes = lobes.copy()
     lobes[::3, :, :3] *= 20.0
-    lobes[::6, :, 3] = 0.0
-    lobes[3::6, :, 4] = 1.0
+    lobes[::3, :, 3] = 0.0
     fit = fit_gloss(colours, clipped, lobes, voxel_of)
-    assert fit.gloss[TRUE] == pytest.approx(GLOSS, abs=0.02)
+    assert fit.gloss[TRUE] == pytest.approx(GLOSS, abs=0.01)
     assert (fit_gloss(*scene).deviation < fit.deviation).all()
+
+
+@pytest.mark.parametrize("is_lamp", [True, False])
+def test_what_is_beyond_white_or_beyond_the_fill_is_told_apart_from_the_gloss(scene, is_lamp):
+    """Some lobes see a clipped lamp, or a sky that the fill took for too dark, in part."""
+    colours, clipped, lobes, voxel_of = scene
+    lobes = lobes.copy()
+    share = np.zeros(len(colours), np.float32)
+    share[::3] = np.random.default_rng(1).uniform(0.1, 0.4, len(share[::3]))
+    if is_lamp:
+        lobes[..., 4] = share[:, None]
+    else:
+        lobes[..., 3] = 1.0 - share[:, None]
+    brighter = colours + np.float32(GLOSS * 2.0) * share[:, None]
+    fit = fit_gloss(brighter, clipped, lobes, voxel_of)
+    assert fit.gloss[TRUE] == pytest.approx(GLOSS, abs=0.01)
+    assert fit.weight.argmax() == TRUE
+    unaware = np.where([False, False, False, True, False], 1.0, lobes) * [1, 1, 1, 1, 0]
+    misled = fit_gloss(brighter, clipped, unaware.astype(np.float32), voxel_of)
+    assert fit.misfit[TRUE] < 0.5 * misled.misfit[TRUE]
+
+
+def test_the_deviation_is_that_of_the_first_of_three_unknowns():
+    matrix = np.array([[4.0, 1.0, 0.5], [1.0, 3.0, 0.7], [0.5, 0.7, 2.0]])
+    expected = np.sqrt(np.linalg.inv(matrix)[0, 0])
+    assert _first_deviation(matrix) == pytest.approx(expected)
 
 
 def test_clipped_observations_are_left_out(scene):

@@ -11,8 +11,8 @@ from reflest_core.features.light.explained_light import completed
 from reflest_core.features.light.irradiance import incoming, mean_radiance
 from reflest_core.features.light.light_from_shading import infer_light
 from reflest_core.features.light.light_patches import diffuse_response
-from reflest_core.features.light.light_prior import BRIGHT
-from reflest_core.features.light.patch_grid import PATCHES
+from reflest_core.features.light.light_prior import BRIGHT, DIM
+from reflest_core.features.light.patch_grid import PATCHES, patch_directions
 from reflest_core.fusion.light_map import SIZE, ObservedLight
 from reflest_core.fusion.octahedral import octahedral_directions
 
@@ -81,6 +81,37 @@ def test_an_unseen_lamp_is_found_where_it_is():
     assert error_of(light, truth) < 0.5 * error_of(filled, truth)
     brightest = np.unravel_index(light.levels[0][..., 0].argmax(), (SIZE, SIZE))
     assert directions[brightest] @ np.array([0.6, 0.0, 0.8]) > 0.7
+
+
+def test_unseen_light_is_expected_above_rather_than_below():
+    mean, width = BRIGHT.mean[:PATCHES], BRIGHT.width[:PATCHES]
+    heights = patch_directions()[:, 2]
+    assert mean[heights > 0.5].min() > mean[np.abs(heights) < 0.1].max()
+    assert mean[np.abs(heights) < 0.1].min() > mean[heights < -0.5].max()
+    assert (DIM.mean[:PATCHES] < mean).all()
+    assert (DIM.width[:PATCHES] < width).all()
+    np.testing.assert_array_equal(BRIGHT.mean[PATCHES:], BRIGHT.excess[0])
+
+
+def test_a_table_top_is_as_light_as_its_unseen_sky_is_taken_for_dim():
+    """Nothing but the prior tells the albedo of one normal under light that nobody saw."""
+    up = np.tile(np.array([0.0, 0.0, 1.0], np.float32), (50, 1))
+    observed = seen_as(np.minimum(sky(), 0.9), (octahedral_directions(SIZE)[..., 2] < 0.0) * 1.0)
+    filled = complete(observed)
+    response = diffuse_response(observed, filled, incoming(cosine_weights(up)))
+    bright, dim = (
+        infer_light(response, np.full((50, 3), 0.5, np.float32), prior).albedo
+        for prior in (BRIGHT, DIM)
+    )
+    assert (dim > 1.5 * bright).all()
+
+
+def test_highlights_on_some_voxels_hardly_matter():
+    radiance = np.minimum(sky(), 0.9)
+    colours, _ = colours_under(radiance)
+    observed = seen_as(radiance, np.ones((SIZE, SIZE), np.float32))
+    colours[::12] = np.minimum(2.5 * colours[::12], 0.99)
+    np.testing.assert_allclose(inferred(observed, colours)[1].albedo, ALBEDO, rtol=0.08)
 
 
 def test_parts_of_the_light_add_up_to_the_filled_light():
