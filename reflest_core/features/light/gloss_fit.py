@@ -21,12 +21,13 @@ from reflest_core.features.light.ward_lobe import ROUGHNESSES
 from reflest_core.jit import compiled
 
 ROUNDS = 5
-RELATIVE, LEAST = 0.07, 0.005
+RELATIVE, LEAST = 0.04, 0.005
 """Standard deviation of a radiance: share of itself, and in units of the sensor's white."""
 PRIORS = (1.0, 0.01, 1.0)
 """Inverse variances, about 0, of ``rho_s`` and of what clipped and unseen light add."""
-SHARPNESS = 30.0
-"""How fast a roughness loses weight as its misfit grows: the power of the misfit's inverse."""
+EVIDENCE = 0.15
+"""Power of the misfit's inverse that makes a roughness likely, for each observation that counted.
+It would be 3 (channels) for Gaussian errors of unknown size, but neighbours err alike."""
 TRUST, CLIPPED = 3.0, 0.5
 """Power of a lobe's seen share by which its observation counts, and what of its clipped share is
 taken for unseen."""
@@ -49,7 +50,11 @@ class GlossFit:
     @property
     def weight(self) -> NDArray[np.float32]:
         """(K,), how likely each roughness is by its misfit; they sum to 1."""
-        return likelihood(self.misfit, SHARPNESS)
+        return self.weight_by(EVIDENCE)
+
+    def weight_by(self, evidence: float) -> NDArray[np.float32]:
+        """The same, were this share of the observations to err each for itself."""
+        return likelihood(self.misfit, evidence * float(self.count.max()))
 
     @property
     def roughness(self) -> int:

@@ -19,7 +19,7 @@ from reflest_core.features.light.ward_lobe import ROUGHNESSES
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.octahedral import octahedral_solid_angles
 
-CHANNEL_STATISTICS, STATISTICS = 42, 69 + DETAIL_STATISTICS
+CHANNEL_STATISTICS, STATISTICS = 42, 79 + DETAIL_STATISTICS
 """How many numbers there are of a colour channel, and of all channels."""
 LEAST = 0.01
 """Added before a logarithm of a ratio or an albedo."""
@@ -28,6 +28,8 @@ FURTHEST = 8.0
 _QUANTILES = (0.1, 0.5, 0.9)
 _PROBED = (0, 3, 7)
 """Roughnesses at which it is told how much of the lobes' light was seen."""
+_SURE = 0.5
+"""Evidence of an observation if hardly any errs as its neighbours do."""
 
 Array = NDArray[np.float32]
 
@@ -57,8 +59,7 @@ def scene_statistics(surface: ObservedSurface, found: Explanation) -> SceneStati
         [
             _of_roughness(found.material),
             _of_roughness(found.gloss),
-            np.log(found.gloss.deviation) + 4.0,
-            np.log(found.gloss.count[list(_PROBED)] + 1.0) - 4.0,
+            _of_gloss(found.gloss),
             _of_coverage(found),
             _of_scan(surface, found),
             found.detail,
@@ -133,15 +134,29 @@ def _of_images(surface: ObservedSurface) -> Array:
 def _of_roughness(material: MaterialFit | GlossFit) -> Array:
     """(2 K + 4,): by roughness ``rho_s`` and misfit; of all, the best misfit and a mean."""
     best = max(float(material.misfit.min()), 1e-4)
-    roughness = np.array(ROUGHNESSES, np.float32)
-    mean = float(material.weight @ roughness)
-    spread = np.sqrt(material.weight @ (roughness - mean) ** 2)
     return np.concatenate(
         [
             material.gloss, 10.0 * np.log(material.misfit / best + 1e-9),
-            [np.log(best), material.weight @ material.gloss, 10 * mean, 10 * spread],
+            [np.log(best), material.weight @ material.gloss], _mean_and_spread(material.weight),
         ]
     ).astype(np.float32)  # fmt: skip
+
+
+def _of_gloss(gloss: GlossFit) -> Array:
+    """(2 K + 5,): how sure each ``rho_s`` is, from how much, and how likely each roughness is."""
+    return np.concatenate(
+        [
+            np.log(gloss.deviation) + 4.0, np.log(gloss.count[list(_PROBED)] + 1.0) - 4.0,
+            gloss.weight, _mean_and_spread(gloss.weight_by(_SURE)),
+        ]
+    ).astype(np.float32)  # fmt: skip
+
+
+def _mean_and_spread(weight: Array) -> Array:
+    """(2,), of the roughness, in tenths."""
+    roughness = np.array(ROUGHNESSES, np.float32)
+    mean = weight @ roughness
+    return np.array([10.0 * mean, 10.0 * np.sqrt(weight @ (roughness - mean) ** 2)], np.float32)
 
 
 def _of_coverage(found: Explanation) -> Array:
