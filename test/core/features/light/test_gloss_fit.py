@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from reflest_core.features.light.gloss_fit import _first_deviation, fit_gloss
+from reflest_core.features.light.gloss_fit import EVIDENCE, GlossFit, _first_deviation, fit_gloss
 
 K, TRUE, GLOSS = 8, 2, 0.35
 
@@ -68,6 +68,17 @@ def test_what_is_beyond_white_or_beyond_the_fill_is_told_apart_from_the_gloss(sc
     unaware = np.where([False, False, False, True, False], 1.0, lobes) * [1, 1, 1, 1, 0]
     misled = fit_gloss(brighter, clipped, unaware.astype(np.float32), voxel_of)
     assert fit.misfit[TRUE] < 0.5 * misled.misfit[TRUE]
+
+
+@pytest.mark.parametrize("count", [0.0, 50.0, 400.0])
+def test_the_more_observations_count_the_surer_is_the_roughness(count):
+    misfit = np.full(K, 1.05, np.float32)
+    misfit[TRUE] = 1.0
+    nothing = np.zeros(K, np.float32)
+    fit = GlossFit(nothing, nothing, misfit, nothing + np.float32(count))
+    odds = fit.weight[TRUE] / fit.weight[0]
+    assert odds == pytest.approx(1.05 ** (EVIDENCE * count), rel=1e-3)
+    assert fit.weight_by(1.0)[TRUE] >= fit.weight[TRUE]
 
 
 def test_the_deviation_is_that_of_the_first_of_three_unknowns():
