@@ -5,7 +5,8 @@
 import numpy as np
 import pytest
 
-from reflest_core.features.light.gloss_fit import EVIDENCE, GlossFit, _first_deviation, fit_gloss
+from reflest_core.features.light.gloss_fit import EVIDENCE, GlossFit, fit_gloss
+from reflest_core.features.light.gloss_kernel import _first_deviation
 
 K, TRUE, GLOSS = 8, 2, 0.35
 
