@@ -23,6 +23,11 @@ LEVELS = (0, 0, 1, 1, 1, 2, 2, 2)
 """Of the light's pyramid for each roughness: texels narrower than its lobe."""
 RINGS, SECTORS = 5, 4
 
+_Levels = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]
+"""Of a :class:`LightPyramid`, the finest three, (N * N, 5) and so on."""
+_PatchesOfLevels = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]
+"""The patch of each of their texels."""
+
 
 def lobe_radiance(
     light: LightPyramid,
@@ -40,11 +45,11 @@ def lobe_radiance(
     ``(omega_o . h) cos^3 theta_h sqrt(cos theta_i / cos theta_o)``, which is f / pdf for Eq. 1.
     """
     sight = sight or Sight.open(len(normals))
-    fine, middle, coarse = (level.reshape(-1, 5) for level in light.levels[:3])
-    sizes = [len(level) for level in light.levels[:3]]
+    fine, middle, coarse = light.levels[:3]
     return _gather(
-        fine, middle, coarse, patches_of_texels(sizes[0]), patches_of_texels(sizes[1]),
-        patches_of_texels(sizes[2]), np.array(LEVELS), HALF_VECTORS,
+        (_flat(fine), _flat(middle), _flat(coarse)),
+        (_patches(fine), _patches(middle), _patches(coarse)),
+        np.array(LEVELS), HALF_VECTORS,
         kernel_array(normals, np.float32), kernel_array(directions, np.float32),
         kernel_array(sight.visible, np.float32), kernel_array(sight.own, np.float32),
     )  # fmt: skip
@@ -66,11 +71,10 @@ def reflected(
     spacing = 4.0 * alpha / math.sqrt(rings * sectors)
     texel = math.sqrt(4.0 * math.pi) / len(light.levels[0])
     coarseness = int(np.clip(math.log2(max(spacing / texel, 1.0)), 0, 2))
-    level = light.levels[coarseness].reshape(-1, 5)
-    patches = patches_of_texels(len(light.levels[coarseness]))
+    level = light.levels[coarseness]
     sight = Sight.open(len(normals))
     gathered = _gather(
-        level, level, level, patches, patches, patches, np.array([0]), half,
+        (_flat(level),) * 3, (_patches(level),) * 3, np.array([0]), half,
         kernel_array(normals, np.float32), kernel_array(directions, np.float32),
         sight.visible, sight.own,
     )  # fmt: skip
@@ -93,15 +97,19 @@ def half_vectors(
 HALF_VECTORS = half_vectors(ROUGHNESSES)
 
 
+def _flat(level: NDArray[np.float32]) -> NDArray[np.float32]:
+    return level.reshape(-1, 5)
+
+
+def _patches(level: NDArray[np.float32]) -> NDArray[np.int64]:
+    return patches_of_texels(len(level))
+
+
 @compiled
 def _gather(
-    fine: NDArray[np.float32],
-    middle: NDArray[np.float32],
-    coarse: NDArray[np.float32],
-    fine_patches: NDArray[np.int64],
-    middle_patches: NDArray[np.int64],
-    coarse_patches: NDArray[np.int64],
-    levels: NDArray[np.int64],
+    lights: _Levels,
+    patches: _PatchesOfLevels,
+    level_of: NDArray[np.int64],
     half_vectors: NDArray[np.float32],
     normals: NDArray[np.float32],
     directions: NDArray[np.float32],
@@ -109,19 +117,14 @@ def _gather(
     own: NDArray[np.float32],
 ) -> NDArray[np.float32]:
     roughnesses, _, samples = half_vectors.shape
-    finest = int(math.sqrt(len(fine)))
     gathered = np.empty((len(normals), roughnesses, 5), np.float32)
     weights, texels = np.empty(samples, np.float64), np.empty(samples, np.int32)
     for observation in range(len(normals)):
         frame = tangent_frame(normals[observation])
         n, o = vector(normals, observation), vector(directions, observation)
         for roughness in range(roughnesses):
-            level = levels[roughness]
-            light = fine if level == 0 else (middle if level == 1 else coarse)
-            patch_of = (
-                fine_patches if level == 0 else (middle_patches if level == 1 else coarse_patches)
-            )
-            size = finest >> level
+            light, patch_of = lights[level_of[roughness]], patches[level_of[roughness]]
+            size = int(math.sqrt(len(light)))
             mirrored_texels(frame, n, o, half_vectors[roughness], size, weights, texels)
             total, red, green, blue, seen, clipped = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
             itself = 0.0
