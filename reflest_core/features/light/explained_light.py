@@ -100,9 +100,8 @@ def explain(
         sight.of(asked.voxel_of),
     )  # fmt: skip
     response = diffuse_response(light, filled, arriving_there)
-    bright, dim = (
-        infer_light_by_gloss(asked, response, mirrored, gloss, shading.albedo, prior)
-        for prior in (BRIGHT, DIM)
+    bright, dim = infer_light_by_gloss(
+        asked, response, mirrored, gloss, shading.albedo, (BRIGHT, DIM)
     )
     final = completed(light, filled, bright)
     material, lobes = _material(asked, arriving_there, sight.of(asked.voxel_of), final)

@@ -14,6 +14,9 @@ before.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -46,56 +49,86 @@ def infer_light_by_gloss(
     reflection: PatchResponse,
     gloss: GlossFit,
     albedo: NDArray[np.float32],
-    prior: LightPrior = BRIGHT,
-) -> InferredLight:
-    """Explain the ``sample``'s colours, highlights and all.
+    priors: Sequence[LightPrior] = (BRIGHT,),
+) -> list[InferredLight]:
+    """Explain the ``sample``'s colours, highlights and all, under each prior.
 
     ``response``: of the sample's voxels. ``reflection``: of its observations, at the roughness that
     ``gloss`` expects. ``albedo``: (3,) to begin with.
     """
     rho_s = float(gloss.weight @ gloss.gloss)
-    return InferredLight.of(
-        [
-            _infer_channel(
-                sample, response, reflection, rho_s, float(albedo[channel]), channel, prior
-            )
-            for channel in range(3)
-        ]
-    )
+    systems = [_System.of(sample, response, reflection, rho_s, channel) for channel in range(3)]
+    return [
+        InferredLight.of(
+            [
+                system.explained(prior, float(start))
+                for system, start in zip(systems, albedo, strict=True)
+            ]
+        )
+        for prior in priors
+    ]
 
 
-def _infer_channel(
-    sample: SurfaceSample,
-    response: PatchResponse,
-    reflection: PatchResponse,
-    rho_s: float,
-    albedo: float,
-    channel: int,
-    prior: LightPrior,
-) -> ChannelLight:
-    known = ~sample.clipped[:, channel]
-    if known.sum() < FEWEST:
-        return prior.mean.copy(), albedo, 1.0, 0.0
-    colours = sample.colours[known, channel]
-    target = colours - rho_s * reflection.seen[known, channel]
-    noise = RELATIVE * colours + LEAST
-    diffuse = response.columns(sample.voxel_of[known], channel)
-    mirrored = reflection.columns(known, channel)
-    mirrored[:, 0] = 0.0  # what reflects seen light is known, and taken from the target
-    unknowns = Unknowns(which_matter(diffuse + mirrored), prior)
-    diffuse, mirrored = diffuse[:, unknowns.matters], mirrored[:, unknowns.matters]
-    found, factors = unknowns.expected(albedo), unknowns.expected(1.0)
-    for turn in range(TURNS):
-        share = min(rho_s / max(float(found[0]), LEAST_ALBEDO), MOST_GLOSS)
-        columns = diffuse + np.float32(share) * mirrored
-        unsure = HIDDEN * rho_s * (mirrored @ factors.astype(np.float32))
-        variance = noise**2 + unsure**2
-        weight = 1.0 / variance
-        if turn > 0:
-            weight = weight / (1.0 + (columns @ found - target) ** 2 / variance)
-        found, matrix = unknowns.most_likely(columns, target, weight, found)
-        factors[1:] = found[1:] / max(float(found[0]), 1e-3)
-    error = (columns @ found - target) / noise
-    misfit = RELATIVE * float(np.sqrt(np.log1p(error**2).mean()))
-    deviation = log_albedo_deviation(found, matrix)
-    return unknowns.factors(found), max(float(found[0]), 1e-3), deviation, misfit
+@dataclass(frozen=True)
+class _System:
+    """One channel: R observations that are not clipped, U unknowns that matter to them.
+
+    ``target``: (R,) colours less what is known of their reflections, ``noise``: (R,) standard
+    deviations. ``diffuse``, ``mirrored``: (R, U) answers, the latter at ``rho_s = 1``.
+    """
+
+    rho_s: float
+    matters: NDArray[np.bool_]
+    target: NDArray[np.float32]
+    noise: NDArray[np.float32]
+    diffuse: NDArray[np.float32]
+    mirrored: NDArray[np.float32]
+
+    @staticmethod
+    def of(
+        sample: SurfaceSample,
+        response: PatchResponse,
+        reflection: PatchResponse,
+        rho_s: float,
+        channel: int,
+    ) -> _System:
+        known = ~sample.clipped[:, channel]
+        colours = sample.colours[known, channel]
+        diffuse = response.columns(sample.voxel_of[known], channel)
+        mirrored = reflection.columns(known, channel)
+        mirrored[:, 0] = 0.0  # what reflects seen light is known, and taken from the target
+        matters = which_matter(diffuse + mirrored)
+        return _System(
+            rho_s,
+            matters,
+            colours - np.float32(rho_s) * reflection.seen[known, channel],
+            RELATIVE * colours + LEAST,
+            diffuse[:, matters],
+            mirrored[:, matters],
+        )
+
+    def explained(self, prior: LightPrior, albedo: float) -> ChannelLight:
+        """The light and the albedo, beginning with this one."""
+        if len(self.target) < FEWEST:
+            return prior.mean.copy(), albedo, 1.0, 0.0
+        unknowns = Unknowns(self.matters, prior)
+        found, factors = unknowns.expected(albedo), unknowns.expected(1.0)
+        for turn in range(TURNS):
+            share = min(self.rho_s / max(float(found[0]), LEAST_ALBEDO), MOST_GLOSS)
+            columns = self.diffuse + np.float32(share) * self.mirrored
+            unsure = np.float32(HIDDEN * self.rho_s) * (self.mirrored @ factors.astype(np.float32))
+            variance = self.noise**2 + unsure**2
+            weight = 1.0 / variance
+            if turn > 0:
+                weight = weight / (1.0 + self._error(columns, found) ** 2 / variance)
+            found, matrix = unknowns.most_likely(columns, self.target, weight, found)
+            factors[1:] = found[1:] / max(float(found[0]), 1e-3)
+        error = self._error(columns, found) / self.noise
+        misfit = RELATIVE * float(np.sqrt(np.log1p(error**2).mean()))
+        deviation = log_albedo_deviation(found, matrix)
+        return unknowns.factors(found), max(float(found[0]), 1e-3), deviation, misfit
+
+    def _error(
+        self, columns: NDArray[np.float32], found: NDArray[np.float64]
+    ) -> NDArray[np.float32]:
+        return np.asarray(columns @ found.astype(np.float32) - self.target)

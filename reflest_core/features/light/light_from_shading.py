@@ -76,11 +76,11 @@ def _infer_channel(
     columns = response.columns(known, channel)
     unknowns = Unknowns(which_matter(columns), prior)
     columns = columns[:, unknowns.matters]
-    found, errors = unknowns.expected(ALBEDO[0]), np.zeros(len(target))
+    found, errors = unknowns.expected(ALBEDO[0]), np.zeros_like(target)
     for _ in range(ROUNDS):
         weight = 1.0 / (noise**2 * (1.0 + errors**2))
         found, matrix = unknowns.most_likely(columns, target, weight, found)
-        errors = (columns @ found - target) / noise
+        errors = (columns @ found.astype(np.float32) - target) / noise
     misfit = NOISE * float(np.sqrt(np.log1p(errors**2).mean())) if len(errors) else 0.0
     deviation = log_albedo_deviation(found, matrix)
     return unknowns.factors(found), max(float(found[0]), 1e-3), deviation, misfit

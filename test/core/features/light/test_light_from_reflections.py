@@ -46,7 +46,7 @@ def explained(rho_s):
     response = diffuse_response(light, filled, incoming(cosine_weights(sample.normals)))
     mirrored = reflection(filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions)
     start = np.full(3, 0.3, np.float32)
-    whole = infer_light_by_gloss(sample, response, mirrored, told(rho_s), start)
+    (whole,) = infer_light_by_gloss(sample, response, mirrored, told(rho_s), start)
     return sample, light, filled, response, whole
 
 
@@ -104,7 +104,7 @@ def test_a_channel_that_is_all_clipped_says_nothing():
     light = seen_below(sky(), 0.3)
     filled = complete(light)
     sample.clipped[:, 0] = True
-    found = infer_light_by_gloss(
+    (found,) = infer_light_by_gloss(
         sample,
         diffuse_response(light, filled, incoming(cosine_weights(sample.normals))),
         reflection(filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions),
