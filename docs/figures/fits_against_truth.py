@@ -61,7 +61,7 @@ def main() -> None:
     gloss, roughness = (np.array(values) for values in zip(*map(_gloss, found), strict=True))
     errors = np.sqrt(((gloss - truth[:, 3]) ** 2).mean())
     rough = np.sqrt(((roughness - truth[:, 4])[glossy] ** 2).mean())
-    print(f"\nrho_s, from seen light alone: RMS error {errors:.3f}")
+    print(f"\nrho_s, from seen light: RMS error {errors:.3f}")
     print(f"alpha, the same, where rho_s > {GLOSSY}: RMS error {rough:.3f}")
 
 

@@ -94,17 +94,17 @@ def explain(
     )
     gloss = fit_gloss(sample.colours, sample.clipped, lobes, sample.voxel_of)
     asked = sample.every(ASKED)
-    arriving_there = incoming(weights, sight)
+    sight_of_asked = sight.of(asked.voxel_of)
     mirrored = reflection(
-        filled, gloss.roughness, sample.normals[asked.voxel_of], asked.directions,
-        sight.of(asked.voxel_of),
-    )  # fmt: skip
-    response = diffuse_response(light, filled, arriving_there)
+        filled, gloss.roughness, sample.normals[asked.voxel_of], asked.directions, sight_of_asked
+    )
+    of_sample = incoming(weights, sight)
+    response = diffuse_response(light, filled, of_sample)
     bright, dim = infer_light_by_gloss(
         asked, response, mirrored, gloss, shading.albedo, (BRIGHT, DIM)
     )
     final = completed(light, filled, bright)
-    material, lobes = _material(asked, arriving_there, sight.of(asked.voxel_of), final)
+    material, lobes = _material(asked, of_sample, sight_of_asked, final)
     detail = reflected_detail(surface, voxels)
     return Explanation(
         filled, final, arriving, occluders, colours, sample, lobes, (shading, bright, dim), gloss,

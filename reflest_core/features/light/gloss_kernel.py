@@ -55,7 +55,9 @@ def fit_roughness(
                     scale = RELATIVE * colours[o, c] + LEAST
                     weight[o, c] = trust[o] / (scale * scale)
                 if turn > 0 and weight[o, c] > 0.0:
-                    error = colours[o, c] - diffuse[voxel_of[o], c] - _sum(found, answers, o, c)
+                    error = (
+                        colours[o, c] - diffuse[voxel_of[o], c] - _reflected(found, answers, o, c)
+                    )
                     weight[o, c] /= 1.0 + (error / scale) ** 2
         sums = _sums(colours, answers, weight, voxel_of, voxels)
         matrix, vector = _normal_equations(colours, answers, weight, voxel_of, sums)
@@ -72,7 +74,7 @@ def fit_roughness(
     for o in range(len(colours)):
         for c in range(3):
             if weight[o, c] > 0.0:
-                error = colours[o, c] - diffuse[voxel_of[o], c] - _sum(found, answers, o, c)
+                error = colours[o, c] - diffuse[voxel_of[o], c] - _reflected(found, answers, o, c)
                 total += trust[o]
                 squares += trust[o] * np.log1p((error / (RELATIVE * colours[o, c] + LEAST)) ** 2)
     return found[0], _first_deviation(matrix), np.sqrt(squares / total), total / 3.0
@@ -95,7 +97,8 @@ def _answers(lobes: NDArray[np.float32], roughness: int) -> Array:
 
 
 @compiled
-def _sum(found: Array, answers: Array, o: int, c: int) -> float:
+def _reflected(found: Array, answers: Array, o: int, c: int) -> float:
+    """What the three unknowns make of an observation, beside its diffuse radiance."""
     total = 0.0
     for i in range(3):
         total += found[i] * answers[o, c, i]

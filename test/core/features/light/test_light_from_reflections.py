@@ -95,6 +95,16 @@ def test_the_unseen_window_is_found():
     assert after < 0.4 * before
 
 
+def test_every_second_observation_says_nearly_as_much():
+    sample, _, filled, response, whole = explained(0.3)
+    half = sample.every(2)
+    np.testing.assert_array_equal(half.spread(half.colours)[half.voxel_of, half.slot], half.colours)
+    mirrored = reflection(filled, ROUGHNESS, half.normals[half.voxel_of], half.directions)
+    (found,) = infer_light_by_gloss(half, response, mirrored, told(0.3), whole.albedo)
+    assert len(half.colours) == (len(sample.colours) + 1) // 2
+    np.testing.assert_allclose(found.albedo, whole.albedo, rtol=0.1)
+
+
 def test_without_gloss_it_says_that_it_is_less_sure():
     assert (explained(0.0)[-1].deviation > 1.5 * explained(0.3)[-1].deviation).all()
 
