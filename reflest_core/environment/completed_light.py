@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from reflest_core.brdf.lab import LUMINANCE_WEIGHTS
 from reflest_core.features.light.completion import complete, halved
 from reflest_core.features.light.explained_light import explain
+from reflest_core.fusion.light_map import ObservedLight
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.octahedral import octahedral_directions, octahedral_solid_angles
 
@@ -35,7 +36,7 @@ def completed_light(surface: ObservedSurface) -> NDArray[np.float32]:
     light = surface.light
     assert light is not None
     if surface.voxel_count < LEAST_VOXELS:
-        return complete(light).levels[0]
+        return _with_clipped(complete(light).levels[0], light)
     found = explain(surface, light)
     smooth, told = found.filled.levels[0], found.light.levels[0]
     is_unseen = light.coverage == 0.0
@@ -43,7 +44,13 @@ def completed_light(surface: ObservedSurface) -> NDArray[np.float32]:
     scale = brightness / np.maximum(smooth[..., :3] @ LUMINANCE_WEIGHTS, 1e-6)
     completed = told.copy()
     completed[is_unseen, :3] = smooth[is_unseen, :3] * scale[is_unseen, None]
-    return completed
+    return _with_clipped(completed, light)
+
+
+def _with_clipped(completed: NDArray[np.float32], light: ObservedLight) -> NDArray[np.float32]:
+    """The last of the five numbers is of any channel, for so much is known as a bound alone."""
+    share = light.any_clipped * light.coverage
+    return np.concatenate([completed[..., :4], share[..., None]], axis=-1)
 
 
 def _averaged(values: NDArray[np.float32], is_counted: NDArray[np.bool_]) -> NDArray[np.float32]:

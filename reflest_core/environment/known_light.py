@@ -91,11 +91,11 @@ class KnownLight:
             light = Scan.load(path).light.observed()
         except ReflestError as error:
             raise KnownLightError(f"{NAME} is neither an .hdr file nor a scan: {error}") from error
-        return KnownLight(light.radiance, (light.coverage > 0.0) & (light.clipped == 0.0))
+        return KnownLight(light.radiance, (light.coverage > 0.0) & (light.any_clipped == 0.0))
 
     def joined(self, light: ObservedLight) -> JoinedLight:
         """``light`` with this one where it saw nothing, or only a lower bound."""
-        shared = (light.coverage > 0.0) & (light.clipped == 0.0) & self.is_known
+        shared = (light.coverage > 0.0) & (light.any_clipped == 0.0) & self.is_known
         shared &= (light.radiance.min(axis=-1) > DARKEST) & (self.radiance.min(axis=-1) > 0.0)
         if shared.sum() < FEWEST:
             return JoinedLight(
@@ -116,7 +116,7 @@ class KnownLight:
             )
         known = gain * self.radiance
         takes = self.is_known & (light.coverage == 0.0)
-        bounds = self.is_known & (light.clipped > 0.0)
+        bounds = self.is_known[..., None] & (light.clipped > 0.0)
         radiance = light.radiance.copy()
         radiance[takes] = known[takes]
         radiance[bounds] = np.maximum(radiance[bounds], known[bounds])

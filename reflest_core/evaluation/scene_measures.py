@@ -110,7 +110,7 @@ def unusual(values: dict[str, float], of_split: list[dict[str, float]]) -> list[
 def _clipped_share(light: ObservedLight) -> float:
     """Share of what was seen of the sphere that was overexposed."""
     weights = _weights(light)
-    return float((weights * light.clipped).sum() / max(float(weights.sum()), 1e-9))
+    return float((weights * light.any_clipped).sum() / max(float(weights.sum()), 1e-9))
 
 
 def _median_brightness(light: ObservedLight) -> float:

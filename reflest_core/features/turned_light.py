@@ -52,12 +52,12 @@ def _turn(
                 v, u = octahedral_texel(source[0], source[1], source[2], size)
                 weight = coverage[v, u]
                 total += weight
-                turned_clipped[row, column] += weight * clipped[v, u]
                 for channel in range(3):
+                    turned_clipped[row, column, channel] += weight * clipped[v, u, channel]
                     turned_radiance[row, column, channel] += weight * radiance[v, u, channel]
             if total > 0.0:
                 turned_coverage[row, column] = total / (ACROSS * ACROSS)
-                turned_clipped[row, column] /= total
                 for channel in range(3):
+                    turned_clipped[row, column, channel] /= total
                     turned_radiance[row, column, channel] /= total
     return turned_radiance, turned_coverage, turned_clipped

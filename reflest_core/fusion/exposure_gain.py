@@ -54,7 +54,7 @@ def exposure_gain(
 ) -> float:
     """By what a frame's linear colours are multiplied to be in the units of the light map.
 
-    ``known``: the map's sums (N, N, 3), counts and clipped counts (N, N), none of them empty.
+    ``known``: the map's sums (N, N, 3), counts (N, N) and clipped counts (N, N, 3), none empty.
     ``directions`` (P, 3), ``colours`` (P, 3): the frame's background, see :meth:`LightMap.add`.
     ``last``: the gain of the frame before, which stays where the two show too little in common or
     do not clearly differ. Texels in which anything is clipped are left out; the rest vote by their
@@ -141,7 +141,7 @@ def _shifts(
         for column in range(counts.shape[1]):
             if counts[row, column] == 0.0 or clipped[row, column]:
                 continue
-            if there_counts[row, column] == 0.0 or there_clipped[row, column] > 0.0:
+            if there_counts[row, column] == 0.0 or there_clipped[row, column].any():
                 continue
             here = _luminance(sums[row, column]) / counts[row, column]
             there = _luminance(there_sums[row, column]) / there_counts[row, column]

@@ -16,7 +16,7 @@ from reflest_core.jit import compiled, kernel_array
 
 SIZE = 96
 """Texels along an edge of the octahedral map: 2.1 degrees each, in the mean."""
-BYTES_OF_LIGHT = SIZE * SIZE * 6 * 4
+BYTES_OF_LIGHT = SIZE * SIZE * 8 * 4
 LONGEST_MEMORY = 4096.0
 """Pixels of a texel after which its sums are halved, so that light that changes is followed."""
 
@@ -30,8 +30,9 @@ class ObservedLight:
 
     ``radiance``: (N, N, 3) float32, mean linear sRGB, 1 at the sensor's white in the first frame,
     so that it passes 1 where a later frame was exposed less; 0 where unseen. ``coverage``: (N, N)
-    float32, 1 where seen. ``clipped``: (N, N) float32, share of what was seen there with a channel
-    at 255, and never unclipped in a darker frame: a lower bound of the radiance, not a value.
+    float32, 1 where seen. ``clipped``: (N, N, 3) float32, share of what was seen there with this
+    channel at 255, and never unclipped in a darker frame: a lower bound of the radiance, not a
+    value.
     """
 
     radiance: NDArray[np.float32]
@@ -43,12 +44,17 @@ class ObservedLight:
         """Share of the sphere of directions that was seen, in [0, 1]."""
         return _share(self.coverage)
 
+    @property
+    def any_clipped(self) -> NDArray[np.float32]:
+        """(N, N): ``clipped`` of the channel that was clipped most."""
+        return np.asarray(self.clipped.max(axis=-1))
+
 
 @dataclass
 class LightMap:
     """Sums over background pixels; bounded in size, whatever the length of the scan.
 
-    ``radiance_sum``: (N, N, 3), ``count`` and ``clipped_count``: (N, N), float32. ``white``:
+    ``radiance_sum`` and ``clipped_count``: (N, N, 3), ``count``: (N, N), float32. ``white``:
     (N, N) float32, the radiance at which what is summed was clipped or would have been; 0 where
     unseen. ``gain``: of the last frame, see :meth:`add_frame`.
     """
@@ -58,7 +64,7 @@ class LightMap:
     )
     count: NDArray[np.float32] = field(default_factory=lambda: np.zeros((SIZE, SIZE), np.float32))
     clipped_count: NDArray[np.float32] = field(
-        default_factory=lambda: np.zeros((SIZE, SIZE), np.float32)
+        default_factory=lambda: np.zeros((SIZE, SIZE, 3), np.float32)
     )
     white: NDArray[np.float32] = field(default_factory=lambda: np.zeros((SIZE, SIZE), np.float32))
     gain: float = 1.0
@@ -114,7 +120,7 @@ class LightMap:
         return ObservedLight(
             np.asarray(self.radiance_sum / count[..., None], np.float32),
             (self.count > 0.0).astype(np.float32),
-            np.asarray(self.clipped_count / count, np.float32),
+            np.asarray(self.clipped_count / count[..., None], np.float32),
         )
 
 
@@ -149,8 +155,9 @@ def _accumulate(
             clips_here[row, column] = True
         if gain > white[row, column] * BRIGHTER:
             # What was clipped is begun anew: beside it lies the dark part alone of the texel.
-            if clipped_count[row, column] > 0.0:
-                count[row, column] = clipped_count[row, column] = 0.0
+            if clipped_count[row, column].any():
+                count[row, column] = 0.0
+                clipped_count[row, column] = 0.0
                 radiance_sum[row, column] = 0.0
             white[row, column] = gain
     for pixel in range(len(directions)):
@@ -158,13 +165,11 @@ def _accumulate(
         if clips_here[row, column] and gain * BRIGHTER < white[row, column]:
             continue
         count[row, column] += 1.0
-        is_clipped = False
         for channel in range(3):
             value = colours[pixel, channel]
             radiance_sum[row, column, channel] += linear[value] * gain
-            is_clipped |= value == 255
-        if is_clipped:
-            clipped_count[row, column] += 1.0
+            if value == 255:
+                clipped_count[row, column, channel] += 1.0
         if count[row, column] >= LONGEST_MEMORY:
             count[row, column] *= 0.5
             clipped_count[row, column] *= 0.5

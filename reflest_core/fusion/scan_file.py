@@ -18,8 +18,8 @@ from reflest_core.errors import ReflestError
 from reflest_core.fusion.scan_upgrade import Arrays, upgraded
 
 FORMAT = "reflest-scan"
-VERSION = 3
-OLDER = (2,)
+VERSION = 4
+OLDER = (2, 3)
 """Versions that :mod:`.scan_upgrade` makes into the newest."""
 
 

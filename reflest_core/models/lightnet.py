@@ -14,6 +14,7 @@ import torch
 from torch import nn
 
 from reflest_core.models.lightnet_shapes import (
+    FOUND_STRENGTHS,
     HEADS,
     ONE_LAYER,
     ROUGHNESS_COUNT,
@@ -29,6 +30,10 @@ VOXELS = MODELS["lightnet"].voxels
 """Voxels that an estimate rests on."""
 DROPPED = 0.15
 """Share of a scene's numbers that is left out at a time while training."""
+
+
+FOUND_SCALE = (5.0, 3.5, 15.0)
+"""To begin with, what turns ``rho_d``, ``rho_s`` and ``alpha`` into standard units."""
 
 
 class LightNet(nn.Module):
@@ -49,6 +54,7 @@ class LightNet(nn.Module):
         self.diffuse = _two_layers("diffuse")
         self.diffuse_head = nn.Linear(*ONE_LAYER["diffuse_head"])
         self.gloss_head = nn.Linear(*ONE_LAYER["gloss_head"])
+        self.found_scale = nn.Parameter(torch.tensor(FOUND_SCALE))
         self.dropout = nn.Dropout(DROPPED)
 
     def forward(
@@ -69,6 +75,8 @@ class LightNet(nn.Module):
         zones: torch.Tensor,
         channel_statistics: torch.Tensor,
         statistics: torch.Tensor,
+        found_albedo: torch.Tensor,
+        found_gloss: torch.Tensor,
     ) -> tuple[torch.Tensor, torch.Tensor]:
         """Shapes as in :class:`Shading` with a leading B; voxels never seen are padding."""
         per_channel = (*apparent.shape[:3], 3)
@@ -130,8 +138,22 @@ class LightNet(nn.Module):
             )
         )
         specular = self.gloss_head(gloss)
-        means = torch.cat([diffuse[..., 0], specular[:, :2]], dim=1)
-        log_variances = torch.cat([diffuse[..., 1], specular[:, 2:]], dim=1)
+        strengths = 4 + FOUND_STRENGTHS + 1
+        scale = self.found_scale
+        believed = torch.cat(
+            [
+                _believed(found_albedo * scale[0], diffuse[..., 2:]),
+                _believed(found_gloss[:, :FOUND_STRENGTHS] * scale[1], specular[:, 4:strengths])[
+                    :, None
+                ],
+                _believed(found_gloss[:, FOUND_STRENGTHS:] * scale[2], specular[:, strengths:])[
+                    :, None
+                ],
+            ],
+            dim=1,
+        )
+        means = torch.cat([diffuse[..., 0], specular[:, :2]], dim=1) + believed
+        log_variances = torch.cat([diffuse[..., 1], specular[:, 2:4]], dim=1)
         return means, log_variances
 
 
@@ -141,6 +163,11 @@ def pooled(x: torch.Tensor, seen: torch.Tensor, count: torch.Tensor) -> torch.Te
     squares = ((x - mean[:, :, None]) ** 2 * seen).sum(dim=2) / count.clamp(min=1)
     greatest = torch.where(count > 0, (x + (seen - 1.0) * 1e4).amax(dim=2), 0.0)
     return torch.cat([mean, torch.sqrt(squares + 1e-6), greatest], dim=-1)
+
+
+def _believed(found: torch.Tensor, logits: torch.Tensor) -> torch.Tensor:
+    """(..., A) answers and (..., A + 1) logits to (...), their sum by belief; the last is in 0."""
+    return (torch.softmax(logits, dim=-1)[..., :-1] * found).sum(dim=-1)
 
 
 def _deviation(x: torch.Tensor, weight: torch.Tensor, total: torch.Tensor) -> torch.Tensor:

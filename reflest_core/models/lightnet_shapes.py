@@ -25,8 +25,15 @@ TWO_LAYERS = {
     "diffuse": (2 * SCENE, SCENE, SCENE),
 }
 """Inputs of each stage of two layers, and the widths of the two."""
-ONE_LAYER = {"attention": (VOXEL, HEADS), "diffuse_head": (SCENE, 2), "gloss_head": (SCENE, 4)}
-"""Inputs and outputs of the others."""
+FOUND_ALBEDOS, FOUND_STRENGTHS, FOUND_ALPHAS = 3, 1, 2
+"""Answers of the physics to ``rho_d``, ``rho_s`` and ``alpha`` that the network weighs."""
+ONE_LAYER = {
+    "attention": (VOXEL, HEADS),
+    "diffuse_head": (SCENE, 2 + FOUND_ALBEDOS + 1),
+    "gloss_head": (SCENE, 4 + FOUND_STRENGTHS + 1 + FOUND_ALPHAS + 1),
+}
+"""Inputs and outputs of the others. Of the heads: means and log variances, and logits of how much
+each answer of the physics is believed, and none of them."""
 STANDARDS = {"of_channel": CHANNEL_INPUTS, "of_all": SHARED_INPUTS}
 """Inputs that are taken in standard units."""
 
@@ -36,6 +43,7 @@ def _shapes() -> dict[str, tuple[int, ...]]:
     for name, (inputs, width, outputs) in TWO_LAYERS.items():
         layers |= {f"{name}.0": (inputs, width), f"{name}.2": (width, outputs)}
     shapes: dict[str, tuple[int, ...]] = {}
+    shapes["found_scale"] = (3,)
     for name, inputs in STANDARDS.items():
         shapes |= {f"{name}.mean": (inputs,), f"{name}.variance": (inputs,), f"{name}.seen": (1,)}
     for name, (inputs, outputs) in layers.items():

@@ -13,6 +13,7 @@ from reflest_core.features.light.shading import Shading
 from reflest_core.features.light.surface_shading import surface_shading
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.models.dense_layer import DenseLayer
+from reflest_core.models.lightnet_shapes import FOUND_STRENGTHS
 from reflest_core.models.quantisation import Tensors
 from reflest_core.models.scores import Scores
 from reflest_core.models.threads import one_blas_thread
@@ -39,6 +40,7 @@ class LiveLightNet:
         self._diffuse = _two_layers(tensors, "diffuse")
         self._diffuse_head = DenseLayer.of(tensors, "diffuse_head")
         self._gloss_head = DenseLayer.of(tensors, "gloss_head")
+        self._found_scale = tensors["found_scale"]
 
     def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Scores:
         """What the shading of ``voxels`` tells, under the light that the surface was seen in."""
@@ -76,8 +78,15 @@ class LiveLightNet:
                 _run(self._diffuse, np.concatenate([channels, beside], axis=-1))
             )
             specular = self._gloss_head.linear(gloss)
-        means = np.concatenate([diffuse[:, 0], specular[:2]])
-        return means, np.concatenate([diffuse[:, 1], specular[2:]])
+        strengths = 4 + FOUND_STRENGTHS + 1
+        albedo, strength, roughness = self._found_scale
+        believed = [
+            *_believed(look.found_albedo * albedo, diffuse[:, 2:]),
+            _believed(look.found_gloss[:FOUND_STRENGTHS] * strength, specular[4:strengths]),
+            _believed(look.found_gloss[FOUND_STRENGTHS:] * roughness, specular[strengths:]),
+        ]
+        means = np.concatenate([diffuse[:, 0], specular[:2]]) + np.array(believed, np.float32)
+        return means, np.concatenate([diffuse[:, 1], specular[2:4]])
 
     def _described_voxels(self, look: Shading, mean_light: Array) -> Array:
         """(V, 3, width): every voxel by channel, from the observations that were made of it."""
@@ -135,6 +144,13 @@ class _Standard(NamedTuple):
 
     def scores(self, values: Array) -> Array:
         return np.asarray(np.clip((values - self.mean) / self.deviation, -FURTHEST, FURTHEST))
+
+
+def _believed(found: Array, logits: Array) -> Array:
+    """(..., A) answers and (..., A + 1) logits to (...), their sum by belief; the last is in 0."""
+    belief = np.exp(logits - logits.max(axis=-1, keepdims=True))
+    belief /= belief.sum(axis=-1, keepdims=True)
+    return np.asarray((belief[..., :-1] * found).sum(axis=-1))
 
 
 def _two_layers(tensors: Tensors, name: str) -> tuple[DenseLayer, DenseLayer]:

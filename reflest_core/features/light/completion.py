@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.features.light.clipped_light import excess_shape
 from reflest_core.fusion.light_map import ObservedLight
 from reflest_core.fusion.octahedral import octahedral_solid_angles
 
@@ -21,7 +22,8 @@ class LightPyramid:
     """The completed light at halving resolutions.
 
     ``levels``: octahedral maps (N, N, 5), (N / 2, N / 2, 5) and so on, float32: linear radiance
-    (3), share that was seen, share that was seen clipped.
+    (3), share that was seen, share that was seen clipped: all channels' mean of
+    :func:`.excess_shape`.
     """
 
     levels: list[NDArray[np.float32]]
@@ -42,10 +44,10 @@ def complete(light: ObservedLight) -> LightPyramid:
         trust = np.minimum(level[..., 3:] / TRUSTED_SHARE, 1.0)
         seen = level[..., :3] / np.maximum(level[..., 3:], 1e-9)
         filled = trust * seen + (1.0 - trust) * filled
-    seen_clipped = light.clipped * light.coverage
-    stacked = np.concatenate(
-        [filled, light.coverage[..., None], seen_clipped[..., None]], axis=-1
-    ).astype(np.float32)
+    seen_clipped = excess_shape(light).mean(axis=-1, keepdims=True)
+    stacked = np.concatenate([filled, light.coverage[..., None], seen_clipped], axis=-1).astype(
+        np.float32
+    )
     return levels_below(stacked)
 
 

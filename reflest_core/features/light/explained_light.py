@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.features.light.clipped_light import excess_shape
 from reflest_core.features.light.completion import LightPyramid, complete, levels_below
 from reflest_core.features.light.cosine_weights import cosine_weights
 from reflest_core.features.light.diffuse_colours import diffuse_colours
@@ -29,7 +30,7 @@ from reflest_core.features.light.reflected_detail import reflected_detail
 from reflest_core.features.light.reflected_patches import reflection
 from reflest_core.features.light.surface_sample import SurfaceSample, sampled
 from reflest_core.features.light.visibility import Occluders, Sight
-from reflest_core.features.light.ward_lobe import lobe_radiance
+from reflest_core.features.light.ward_lobe import ROUGHNESSES, lobe_radiance
 from reflest_core.features.voxel_choice import choose_voxels
 from reflest_core.fusion.light_map import ObservedLight
 from reflest_core.fusion.observed_surface import ObservedSurface
@@ -37,6 +38,10 @@ from reflest_core.fusion.thinning import thinned
 
 SHADED, SAMPLED = 512, 96
 """Voxels whose diffuse colours tell of the light; those whose observations tell of gloss."""
+MOST_ALBEDO = 1.5
+"""Beyond what can be, so that a fit that went astray does not lead far."""
+SURE = 0.5
+"""Evidence of an observation if hardly any errs as its neighbours do."""
 ASKED = 2
 """Every second of these observations tells of the light: all say hardly more, and take longer."""
 
@@ -65,6 +70,25 @@ class Explanation:
     gloss: GlossFit
     material: MaterialFit
     detail: NDArray[np.float32]
+
+    @property
+    def albedos(self) -> NDArray[np.float32]:
+        """(3, 3), ``rho_d`` of each channel, at most :data:`MOST_ALBEDO`.
+
+        By the observations, by these if unseen light is dim, and by the material's fit.
+        """
+        _, bright, dim = self.inferred
+        albedos = [bright.albedo, dim.albedo, self.material.weight @ self.material.albedo]
+        return np.minimum(np.stack(albedos, axis=1), np.float32(MOST_ALBEDO))
+
+    @property
+    def glosses(self) -> NDArray[np.float32]:
+        """(3,): ``rho_s`` and ``alpha`` by seen light, and ``alpha`` if observations err alone."""
+        gloss, roughnesses = self.gloss, np.array(ROUGHNESSES, np.float32)
+        likely, sure = gloss.weight, gloss.weight_by(SURE)
+        return np.array(
+            [likely @ gloss.gloss, likely @ roughnesses, sure @ roughnesses], np.float32
+        )
 
 
 def explain(
@@ -96,7 +120,12 @@ def explain(
     asked = sample.every(ASKED)
     sight_of_asked = sight.of(asked.voxel_of)
     mirrored = reflection(
-        filled, gloss.roughness, sample.normals[asked.voxel_of], asked.directions, sight_of_asked
+        light,
+        filled,
+        gloss.roughness,
+        sample.normals[asked.voxel_of],
+        asked.directions,
+        sight_of_asked,
     )
     of_sample = incoming(weights, sight)
     response = diffuse_response(light, filled, of_sample)
@@ -116,7 +145,7 @@ def completed(light: ObservedLight, filled: LightPyramid, found: InferredLight) 
     """The light with what the surface tells of its unseen and clipped parts."""
     fine = filled.levels[0]
     size = len(fine)
-    bright = light.radiance + patch_image(found.excess, size) * fine[..., 4:]
+    bright = light.radiance + patch_image(found.excess, size) * excess_shape(light)
     fill = fine[..., :3] * patch_image(found.unseen, size)
     radiance = np.where(light.coverage[..., None] > 0.0, bright, fill)
     return levels_below(np.concatenate([radiance, fine[..., 3:]], axis=-1).astype(np.float32))

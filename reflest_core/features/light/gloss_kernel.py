@@ -4,7 +4,8 @@
 
 Where a lobe looks into light that was clipped or not seen, what is there beyond white or beyond the
 smooth fill is unknown. So of the whole scene there are three unknowns: ``rho_s``, and ``rho_s``
-times the mean of either. An observation counts the less the more of it its lobe sees.
+times the mean of either. An observation counts the less the more of it its lobe sees. A clipped one
+is a lower bound: it counts where the model is darker.
 """
 
 from __future__ import annotations
@@ -15,9 +16,14 @@ from numpy.typing import NDArray
 from reflest_core.features.light.nonnegative import nonnegative_minimum
 from reflest_core.jit import compiled
 
-ROUNDS = 5
+ROUNDS = 6
 RELATIVE, LEAST = 0.04, 0.005
 """Standard deviation of a radiance: share of itself, and in units of the sensor's white."""
+COARSE = 0.15
+"""The same of what a lobe reflects, as a share of it: texels and half vectors are few, and beside a
+lamp that is a hundred times brighter than white much depends on them."""
+FIRST_GLOSS = 0.5
+"""``rho_s`` by which that is judged before it is known."""
 PRIORS = (1.0, 0.01, 1.0)
 """Inverse variances, about 0, of ``rho_s`` and of what clipped and unseen light add."""
 TRUST, CLIPPED = 3.0, 0.5
@@ -46,19 +52,17 @@ def fit_roughness(
         trust[o] = max(seen, 0.0) ** TRUST
     answers = _answers(lobes, roughness)
     weight = np.zeros((len(colours), 3))
-    diffuse, found, matrix = np.zeros((voxels, 3)), np.zeros(3), np.zeros((3, 3))
+    diffuse, found, matrix = np.ones((voxels, 3)), np.zeros(3), np.zeros((3, 3))
     for turn in range(ROUNDS):
         for o in range(len(colours)):
             for c in range(3):
-                weight[o, c] = 0.0
-                if not clipped[o, c]:
-                    scale = RELATIVE * colours[o, c] + LEAST
-                    weight[o, c] = trust[o] / (scale * scale)
-                if turn > 0 and weight[o, c] > 0.0:
-                    error = (
-                        colours[o, c] - diffuse[voxel_of[o], c] - _reflected(found, answers, o, c)
-                    )
-                    weight[o, c] /= 1.0 + (error / scale) ** 2
+                error = colours[o, c] - diffuse[voxel_of[o], c] - _reflected(found, answers, o, c)
+                if clipped[o, c] and (turn == 0 or error <= 0.0):
+                    weight[o, c] = 0.0
+                    continue
+                reflected = (found[0] if turn > 0 else FIRST_GLOSS) * answers[o, c, 0]
+                variance = _variance(colours[o, c], reflected)
+                weight[o, c] = trust[o] / (variance + error * error if turn > 0 else variance)
         sums = _sums(colours, answers, weight, voxel_of, voxels)
         matrix, vector = _normal_equations(colours, answers, weight, voxel_of, sums)
         found = nonnegative_minimum(matrix, vector, found)
@@ -76,8 +80,15 @@ def fit_roughness(
             if weight[o, c] > 0.0:
                 error = colours[o, c] - diffuse[voxel_of[o], c] - _reflected(found, answers, o, c)
                 total += trust[o]
-                squares += trust[o] * np.log1p((error / (RELATIVE * colours[o, c] + LEAST)) ** 2)
+                variance = _variance(colours[o, c], found[0] * answers[o, c, 0])
+                squares += trust[o] * np.log1p(error * error / variance)
     return found[0], _first_deviation(matrix), np.sqrt(squares / total), total / 3.0
+
+
+@compiled
+def _variance(colour: float, reflected: float) -> float:
+    """Of a colour of which the lobe is thought to have ``reflected`` so much."""
+    return float((RELATIVE * colour + LEAST) ** 2 + (COARSE * reflected) ** 2)
 
 
 @compiled

@@ -35,6 +35,8 @@ from reflest_core.features.light.surface_sample import SurfaceSample
 TURNS = 6
 RELATIVE, LEAST = 0.07, 0.003
 """Standard deviation of a radiance: share of itself, and in units of the sensor's white."""
+COARSE = 0.1
+"""The same of what is known of a reflection, as a share of it."""
 HIDDEN = 0.5
 """The same of what unknown light adds to a reflection: a patch is not even, and lobes are small."""
 LEAST_ALBEDO, MOST_GLOSS = 0.03, 10.0
@@ -61,8 +63,8 @@ def infer_light_by_gloss(
     return [
         InferredLight.of(
             [
-                system.explained(prior, float(start))
-                for system, start in zip(systems, albedo, strict=True)
+                system.explained(prior.of_channel(channel), float(albedo[channel]))
+                for channel, system in enumerate(systems)
             ]
         )
         for prior in priors
@@ -71,16 +73,18 @@ def infer_light_by_gloss(
 
 @dataclass(frozen=True)
 class _System:
-    """One channel: R observations that are not clipped, U unknowns that matter to them.
+    """One channel: R observations, U unknowns that matter to them.
 
     ``target``: (R,) colours less what is known of their reflections, ``noise``: (R,) standard
-    deviations. ``diffuse``, ``mirrored``: (R, U) answers, the latter at ``rho_s = 1``.
+    deviations. ``is_bound``: (R,) where clipped, so that the colour is at least that. ``diffuse``,
+    ``mirrored``: (R, U) answers, the latter at ``rho_s = 1``.
     """
 
     rho_s: float
     matters: NDArray[np.bool_]
     target: NDArray[np.float32]
     noise: NDArray[np.float32]
+    is_bound: NDArray[np.bool_]
     diffuse: NDArray[np.float32]
     mirrored: NDArray[np.float32]
 
@@ -92,24 +96,27 @@ class _System:
         rho_s: float,
         channel: int,
     ) -> _System:
-        known = ~sample.clipped[:, channel]
-        colours = sample.colours[known, channel]
-        diffuse = response.columns(sample.voxel_of[known], channel)
-        mirrored = reflection.columns(known, channel)
+        colours = sample.colours[:, channel]
+        diffuse = response.columns(sample.voxel_of, channel)
+        mirrored = reflection.columns(slice(None), channel)
         mirrored[:, 0] = 0.0  # what reflects seen light is known, and taken from the target
         matters = which_matter(diffuse + mirrored)
         return _System(
             rho_s,
             matters,
-            colours - np.float32(rho_s) * reflection.seen[known, channel],
-            RELATIVE * colours + LEAST,
+            colours - np.float32(rho_s) * reflection.seen[:, channel],
+            np.hypot(
+                RELATIVE * colours + LEAST,
+                np.float32(COARSE * rho_s) * reflection.seen[:, channel],
+            ),
+            sample.clipped[:, channel],
             diffuse[:, matters],
             mirrored[:, matters],
         )
 
     def explained(self, prior: LightPrior, albedo: float) -> ChannelLight:
         """The light and the albedo, beginning with this one."""
-        if len(self.target) < FEWEST:
+        if np.count_nonzero(~self.is_bound) < FEWEST:
             return prior.mean.copy(), albedo, 1.0, 0.0
         unknowns = Unknowns(self.matters, prior)
         found, factors = unknowns.expected(albedo), unknowns.expected(1.0)
@@ -118,12 +125,15 @@ class _System:
             columns = self.diffuse + np.float32(share) * self.mirrored
             unsure = np.float32(HIDDEN * self.rho_s) * (self.mirrored @ factors.astype(np.float32))
             variance = self.noise**2 + unsure**2
-            weight = 1.0 / variance
-            if turn > 0:
-                weight = weight / (1.0 + self._error(columns, found) ** 2 / variance)
+            if turn == 0:
+                weight = np.where(self.is_bound, np.float32(0.0), 1.0 / variance)
+            else:
+                error = self._error(columns, found)
+                is_met = self.is_bound & (error >= 0.0)
+                weight = np.where(is_met, np.float32(0.0), 1.0 / (variance + error**2))
             found, matrix = unknowns.most_likely(columns, self.target, weight, found)
             factors[1:] = found[1:] / max(float(found[0]), 1e-3)
-        error = self._error(columns, found) / self.noise
+        error = (self._error(columns, found) / self.noise)[~self.is_bound]
         misfit = RELATIVE * float(np.sqrt(np.log1p(error**2).mean()))
         deviation = log_albedo_deviation(found, matrix)
         return unknowns.factors(found), max(float(found[0]), 1e-3), deviation, misfit

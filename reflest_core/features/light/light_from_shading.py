@@ -63,7 +63,10 @@ def infer_light(
 ) -> InferredLight:
     """Explain diffuse ``colours`` (V, 3), linear; those at 1 say nothing."""
     return InferredLight.of(
-        [_infer_channel(response, colours[:, channel], channel, prior) for channel in range(3)]
+        [
+            _infer_channel(response, colours[:, channel], channel, prior.of_channel(channel))
+            for channel in range(3)
+        ]
     )
 
 

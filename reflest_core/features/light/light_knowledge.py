@@ -41,7 +41,7 @@ def light_knowledge(light: ObservedLight | None, normals: NDArray[np.float32]) -
     size = len(light.coverage)
     power = luminance(light.radiance) * light.coverage
     of_texels = np.stack(
-        [np.ones_like(power), light.coverage, power, power * light.clipped], axis=-1
+        [np.ones_like(power), light.coverage, power, power * light.any_clipped], axis=-1
     )
     of_texels *= octahedral_solid_angles(size)[..., None]
     edge = size // BLOCK

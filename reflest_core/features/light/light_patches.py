@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.features.light.clipped_light import excess_shape
 from reflest_core.features.light.completion import LightPyramid, halved
 from reflest_core.features.light.cosine_weights import SIZE
 from reflest_core.features.light.irradiance import Incoming
@@ -23,18 +24,23 @@ class PatchResponse:
 
     Answers are ``E(n) / pi`` of normals, or observations of a surface that only shines with
     ``rho_s = 1``. ``seen``: (R, 3), to the light as it was seen, clipped pixels as white.
-    ``unseen``: (R, P, 3), to a smooth fill of each patch's unseen directions. ``excess``: (R, P),
-    to radiance 1 above white where each patch was seen clipped. All float32.
+    ``unseen``: (R, P, 3), to a smooth fill of each patch's unseen directions. ``excess``: (R, P,
+    3), to radiance 1 above white where each patch was seen clipped in all channels, and as much
+    less in the others as :func:`.excess_shape` expects. All float32.
     """
 
     seen: NDArray[np.float32]
     unseen: NDArray[np.float32]
     excess: NDArray[np.float32]
 
-    def columns(self, rows: NDArray[Any], channel: int) -> NDArray[np.float32]:
+    def columns(self, rows: NDArray[Any] | slice, channel: int) -> NDArray[np.float32]:
         """The chosen answers, (S, 1 + 2 P), to what was seen and to every patch."""
         return np.concatenate(
-            [self.seen[rows, channel, None], self.unseen[rows, :, channel], self.excess[rows]],
+            [
+                self.seen[rows, channel, None],
+                self.unseen[rows, :, channel],
+                self.excess[rows, :, channel],
+            ],
             axis=1,
         )
 
@@ -47,16 +53,18 @@ def diffuse_response(
     ``filled``: the same light after pull and push. What comes from the surface itself counts as
     seen.
     """
-    seen = light.radiance * light.coverage[..., None]
-    while len(seen) > SIZE:
-        seen = halved(seen)
+    fine = np.concatenate([light.radiance * light.coverage[..., None], excess_shape(light)], -1)
+    while len(fine) > SIZE:
+        fine = halved(fine)
+    seen, excess = fine[..., :3], fine[..., 3:]
     level = next(level for level in filled.levels if len(level) == SIZE)
     added = np.maximum(level[..., :3] - seen, 0.0)
     by_patch = incoming.weights[:, texels_of_patches(SIZE)]
+    unknown = _summed(by_patch, np.concatenate([added, excess], axis=-1).reshape(-1, 6))
     return PatchResponse(
         seen=np.asarray(incoming.weights @ seen.reshape(-1, 3) + incoming.own, np.float32),
-        unseen=_summed(by_patch, added.reshape(-1, 3)),
-        excess=_summed(by_patch, level[..., 4:].reshape(-1, 1))[..., 0],
+        unseen=unknown[..., :3],
+        excess=unknown[..., 3:],
     )
 
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -19,6 +20,10 @@ DARKEST_ALBEDO = 0.02
 """The prior's widths are in units of ``rho_d``, but of no less than this."""
 NEGLIGIBLE = 1e-4
 """Of the strongest response: what answers less to a patch tells nothing of it."""
+HUE = (0.8, 0.93, 1.34)
+"""What is above and unseen, over its fill, in each channel beside the mean of the three: skies are
+bluer than what stands below them. Of the 24 lights of SynBRDF's training, by their logarithms' mean.
+"""
 LEVEL = 0.3
 """Sine of the elevation up to which, above and below, a patch is beside the object."""
 
@@ -39,6 +44,12 @@ class LightPrior:
     beside: Expected
     below: Expected
     excess: Expected = (4.0, 16.0)
+
+    def of_channel(self, channel: int) -> LightPrior:
+        """The same of one colour channel, with the :data:`HUE` of what is above."""
+        mean, deviation = self.above
+        hue = HUE[channel]
+        return dataclasses.replace(self, above=(hue * mean, hue * deviation))
 
     @cached_property
     def mean(self) -> Array:

@@ -20,6 +20,9 @@ ROUNDS = 4
 """Of reweighting."""
 RELATIVE, LEAST = 0.15, 0.03
 """Of an observation's error, in apparent albedo: share of the model's value, and at any value."""
+FIRST_GLOSS = 1.0
+"""``rho_s`` by which that is judged before it is known: the greatest, so that no highlight that is
+wrongly expected decides."""
 PRIOR = 1.0
 """Inverse variance of ``rho_s`` about 0: with hardly any evidence there is no gloss."""
 SMALLEST_MISFIT = 1e-6
@@ -78,7 +81,7 @@ def _fit(
                         continue
                     x, y = float(lobe[o, k, c]), float(apparent[o, c])
                     if turn == 0:
-                        scale = RELATIVE * y + LEAST
+                        scale = RELATIVE * (y + FIRST_GLOSS * x) + LEAST
                         w = weight[o, c] / (scale * scale)
                     else:
                         model = rho_d[c] + rho_s * x

@@ -9,17 +9,20 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.features.light.completion import LightPyramid
+from reflest_core.features.light.clipped_light import excess_shape
+from reflest_core.features.light.completion import LightPyramid, halved
 from reflest_core.features.light.light_patches import PatchResponse
 from reflest_core.features.light.mirrored_texels import mirrored_texels, vector
 from reflest_core.features.light.patch_grid import PATCHES, patches_of_texels
 from reflest_core.features.light.visibility import Sight
 from reflest_core.features.light.ward_lobe import HALF_VECTORS, LEVELS
 from reflest_core.features.tangent_frame import tangent_frame
+from reflest_core.fusion.light_map import ObservedLight
 from reflest_core.jit import compiled, kernel_array
 
 
 def reflection(
+    light: ObservedLight,
     filled: LightPyramid,
     roughness: int,
     normals: NDArray[np.float32],
@@ -28,14 +31,17 @@ def reflection(
 ) -> PatchResponse:
     """Lobes of ``ROUGHNESSES[roughness]`` about ``normals``, seen from ``directions``, (O, 3) unit.
 
-    ``filled``: the light after pull and push. ``sight``: of the O observations; without, the
+    ``filled``: the same light after pull and push. ``sight``: of the O observations; without, the
     object hides nothing. What comes from the object itself counts as seen.
     """
     sight = sight or Sight.open(len(normals))
-    light = filled.levels[LEVELS[roughness]]
+    level, excess = filled.levels[LEVELS[roughness]], excess_shape(light)
+    while len(excess) > len(level):
+        excess = halved(excess)
     return PatchResponse(
         *_gather(
-            light.reshape(-1, 5), patches_of_texels(len(light)), HALF_VECTORS[roughness],
+            level.reshape(-1, 5), excess.reshape(-1, 3), patches_of_texels(len(level)),
+            HALF_VECTORS[roughness],
             kernel_array(normals, np.float32), kernel_array(directions, np.float32),
             kernel_array(sight.visible, np.float32), kernel_array(sight.own, np.float32), PATCHES,
         )
@@ -45,6 +51,7 @@ def reflection(
 @compiled
 def _gather(
     light: NDArray[np.float32],
+    beyond_white: NDArray[np.float32],
     patch_of: NDArray[np.int64],
     half_vectors: NDArray[np.float32],
     normals: NDArray[np.float32],
@@ -56,7 +63,7 @@ def _gather(
     size, samples = int(math.sqrt(len(light))), half_vectors.shape[1]
     seen = np.zeros((len(normals), 3), np.float32)
     unseen = np.zeros((len(normals), patches, 3), np.float32)
-    excess = np.zeros((len(normals), patches), np.float32)
+    excess = np.zeros((len(normals), patches, 3), np.float32)
     weights, texels = np.empty(samples, np.float64), np.empty(samples, np.int32)
     for observation in range(len(normals)):
         frame = tangent_frame(normals[observation])
@@ -73,5 +80,6 @@ def _gather(
                 unseen[observation, patch, channel] += unknown * radiance
                 seen[observation, channel] += (arriving - unknown) * radiance
                 seen[observation, channel] += (share - arriving) * own[channel]
-            excess[observation, patch] += arriving * light[texel, 4]
+                beyond = arriving * beyond_white[texel, channel]
+                excess[observation, patch, channel] += beyond
     return seen, unseen, excess

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.features.light.explained_light import Explanation
+from reflest_core.features.light.explained_light import SURE, Explanation
 from reflest_core.features.light.gloss_fit import GlossFit
 from reflest_core.features.light.irradiance import DARKEST, weighted_radiance
 from reflest_core.features.light.light_from_shading import InferredLight
@@ -28,8 +28,6 @@ FURTHEST = 8.0
 _QUANTILES = (0.1, 0.5, 0.9)
 _PROBED = (0, 3, 7)
 """Roughnesses at which it is told how much of the lobes' light was seen."""
-_SURE = 0.5
-"""Evidence of an observation if hardly any errs as its neighbours do."""
 
 Array = NDArray[np.float32]
 
@@ -147,7 +145,7 @@ def _of_gloss(gloss: GlossFit) -> Array:
     return np.concatenate(
         [
             np.log(gloss.deviation) + 4.0, np.log(gloss.count[list(_PROBED)] + 1.0) - 4.0,
-            gloss.weight, _mean_and_spread(gloss.weight_by(_SURE)),
+            gloss.weight, _mean_and_spread(gloss.weight_by(SURE)),
         ]
     ).astype(np.float32)  # fmt: skip
 

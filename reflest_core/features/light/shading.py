@@ -39,7 +39,9 @@ class Shading:
     ``normals``: (V, 3). ``diffuse_light``: (V, 3), ``E(n) / pi``. ``diffuse_seen``,
     ``diffuse_clipped``: (V,), shares of that light. ``voxel_fit``: (V, 3, K, 3) and ``scene_fit``:
     (3, K, 3), see :class:`LobeFit`. ``zones``: see :func:`light_zones`. ``channel_statistics``:
-    (3, C) and ``statistics``: (S,), see :class:`SceneStatistics`.
+    (3, C) and ``statistics``: (S,), see :class:`SceneStatistics`. ``found_albedo``: (3, 3) by
+    channel and ``found_gloss``: (3,), see :attr:`Explanation.albedos` and
+    :attr:`Explanation.glosses`.
     """
 
     is_seen: NDArray[np.bool_]
@@ -58,6 +60,8 @@ class Shading:
     zones: NDArray[np.float32]
     channel_statistics: NDArray[np.float32]
     statistics: NDArray[np.float32]
+    found_albedo: NDArray[np.float32]
+    found_gloss: NDArray[np.float32]
 
 
 def shading(
@@ -114,4 +118,6 @@ def shading(
         zones=light_zones(found.light),
         channel_statistics=statistics.of_channels,
         statistics=statistics.of_all,
+        found_albedo=found.albedos,
+        found_gloss=found.glosses,
     )

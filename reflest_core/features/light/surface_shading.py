@@ -36,4 +36,4 @@ def assumed_light(surface: ObservedSurface) -> ObservedLight:
     brightness = float(srgb.LINEAR[surface.colours].mean()) if len(surface.colours) else 0.0
     radiance = np.full((SIZE, SIZE, 3), brightness / USUAL_ALBEDO, np.float32)
     coverage = np.full((SIZE, SIZE), ASSUMED_COVERAGE, np.float32)
-    return ObservedLight(radiance, coverage, np.zeros((SIZE, SIZE), np.float32))
+    return ObservedLight(radiance, coverage, np.zeros((SIZE, SIZE, 3), np.float32))

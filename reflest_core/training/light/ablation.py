@@ -30,6 +30,7 @@ _K = len(ROUGHNESSES)
 COMPLETED = {
     "channel_statistics": (slice(0, 12), slice(CHANNEL_STATISTICS - _K - 1, CHANNEL_STATISTICS)),
     "statistics": (slice(0, 2 * _K + 4),),
+    "found_albedo": (slice(None),),
 }
 """Numbers of :mod:`.scene_statistics` that come with the completed light: what the three fits of
 the light found, and the material fitted in it. The rest is shaded anew without it."""

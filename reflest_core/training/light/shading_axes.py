@@ -21,6 +21,8 @@ AXES = {
     "zones": "ZR",
     "channel_statistics": "CF",
     "statistics": "F",
+    "found_albedo": "CF",
+    "found_gloss": "F",
 }
 """V voxels, O observations of one voxel, C colour channels, K roughnesses, D a direction in the
 world, F what a fit says, Z rings of elevation, R three colour channels and then shares."""

@@ -38,7 +38,7 @@ def everywhere(radiance):
     return ObservedLight(
         np.asarray(radiance, np.float32),
         np.ones((SIZE, SIZE), np.float32),
-        np.zeros((SIZE, SIZE), np.float32),
+        np.zeros((SIZE, SIZE, 3), np.float32),
     )
 
 

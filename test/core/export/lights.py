@@ -21,7 +21,7 @@ def lamp_towards(direction, width=8.0):
     radiance = np.where(cosine[..., None] > np.cos(np.radians(width / 2)), LAMP, ROOM)
     seen = (cosine > -0.2).astype(np.float32)
     return ObservedLight(
-        (radiance * seen[..., None]).astype(np.float32), seen, np.zeros((SIZE, SIZE), np.float32)
+        (radiance * seen[..., None]).astype(np.float32), seen, np.zeros((SIZE, SIZE, 3), np.float32)
     )
 
 

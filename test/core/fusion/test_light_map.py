@@ -52,7 +52,8 @@ def test_pixels_come_back_as_mean_linear_radiance_with_their_clipping():
     row, column = octahedral_texel(0.0, 0.0, 1.0, SIZE)
     expected = srgb.decode(np.array([[100, 50, 0], [255, 50, 0]]) / 255).mean(axis=0)
     np.testing.assert_allclose(seen.radiance[row, column], expected, rtol=1e-5)
-    assert seen.clipped[row, column] == 0.5
+    assert seen.clipped[row, column].tolist() == [0.5, 0.0, 0.0]
+    assert seen.any_clipped[row, column] == 0.5
     assert seen.coverage.sum() == 2
     assert seen.seen_share == pytest.approx(2 / SIZE**2, rel=2)
 

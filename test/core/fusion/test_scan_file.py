@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from reflest_core.errors import ReflestError
+from reflest_core.fusion.light_map import SIZE
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.scan_file import ScanFileError
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
@@ -114,13 +115,28 @@ def test_a_file_of_version_2_is_read(scan, saved, without_light):
     gone = {"light_white": None, "views_gains": None}
     if without_light:
         gone |= {f"light_{name}": None for name in scan.light.arrays}
+    else:
+        gone["light_clipped_count"] = scan.light.clipped_count.max(axis=-1)
     rewrite(saved, header={"version": 2, "exposure_gain": None}, **gone)
     loaded = Scan.load(saved)
-    same = {name for name in state_of(scan) if not (without_light and name.startswith("light."))}
+    same = {
+        name
+        for name in state_of(scan)
+        if name != "light.clipped_count" and not (without_light and name.startswith("light."))
+    }
     before, after = state_of(scan), state_of(loaded)
     assert_same_arrays({name: before[name] for name in same}, {name: after[name] for name in same})
     assert (loaded.snapshot().light.seen_share > 0.0) != without_light
     assert loaded.fuse(orbit_frames(24)[10]).view is not None
+
+
+def test_a_file_of_version_3_is_read(scan, saved):
+    """It told of clipped light, but not in which channel."""
+    of_any = np.arange(SIZE * SIZE, dtype=np.float32).reshape(SIZE, SIZE)
+    rewrite(saved, header={"version": 3}, light_clipped_count=of_any)
+    loaded = Scan.load(saved)
+    for channel in range(3):
+        np.testing.assert_array_equal(loaded.light.clipped_count[..., channel], of_any)
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from reflest_core.features.voxel_choice import choose_voxels
 from reflest_core.fusion.light_map import LightMap
 from reflest_core.models.lightnet import VOXELS, LightNet
 from reflest_core.models.live_lightnet import LiveLightNet
+from reflest_core.training.light.shading_axes import AXES
 from test.core.surfaces import sphere_surface
 
 
@@ -39,7 +40,7 @@ def batched(look, padding):
     arrays = {}
     for field in dataclasses.fields(Shading):
         array = getattr(look, field.name)
-        if field.name not in ("scene_fit", "zones", "channel_statistics", "statistics"):
+        if AXES[field.name].startswith("V"):
             array = np.pad(array, [(0, padding)] + [(0, 0)] * (array.ndim - 1))
         arrays[field.name] = torch.from_numpy(array)[None]
     return arrays
@@ -66,6 +67,22 @@ def test_pytorch_can_compile_the_module(network):
         torch.testing.assert_close(means, module(**inputs)[0])
 
 
+def test_what_the_physics_found_can_be_believed(network):
+    """With all belief in one answer of each kind, the estimate is that answer, scaled."""
+    module, _ = network
+    tensors = {name: t.numpy().copy() for name, t in module.state_dict().items()}
+    for head, believed in (("diffuse_head", (3,)), ("gloss_head", (4, 7))):
+        tensors[f"{head}.weight"][:] = 0.0
+        tensors[f"{head}.bias"][:] = 0.0
+        tensors[f"{head}.bias"][list(believed)] = 50.0
+    look = look_at(20)
+    means, log_variances = LiveLightNet(tensors).evaluate(look)
+    expected = [*look.found_albedo[:, 1], look.found_gloss[0], look.found_gloss[2]]
+    scale = tensors["found_scale"][[0, 0, 0, 1, 2]]
+    np.testing.assert_allclose(means, scale * expected, rtol=1e-5)
+    np.testing.assert_array_equal(log_variances, 0.0)
+
+
 def test_colour_channels_are_alike(network):
     """Red light and red material swapped with blue swaps the estimate, and nothing else."""
     _, live = network
@@ -76,6 +93,7 @@ def test_colour_channels_are_alike(network):
         lobe=look.lobe[..., swap], diffuse_light=look.diffuse_light[:, swap],
         voxel_fit=look.voxel_fit[:, swap], scene_fit=look.scene_fit[swap],
         zones=look.zones[:, [*swap, 3, 4]], channel_statistics=look.channel_statistics[swap],
+        found_albedo=look.found_albedo[swap],
     )  # fmt: skip
     for found, expected in zip(live.evaluate(swapped), live.evaluate(look), strict=True):
         np.testing.assert_allclose(found, expected[[*swap, 3, 4]], atol=1e-5)

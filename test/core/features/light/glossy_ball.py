@@ -17,7 +17,7 @@ VOXELS = 96
 def known(radiance):
     """The light as one who saw all of it, unclipped, would have it."""
     return ObservedLight(
-        radiance, np.ones((SIZE, SIZE), np.float32), np.zeros((SIZE, SIZE), np.float32)
+        radiance, np.ones((SIZE, SIZE), np.float32), np.zeros((SIZE, SIZE, 3), np.float32)
     )
 
 
@@ -25,7 +25,7 @@ def seen_below(radiance, height):
     """The light of which only directions with z below ``height`` were seen."""
     coverage = (octahedral_directions(SIZE)[..., 2] < height).astype(np.float32)
     return ObservedLight(
-        radiance * coverage[..., None], coverage, np.zeros((SIZE, SIZE), np.float32)
+        radiance * coverage[..., None], coverage, np.zeros((SIZE, SIZE, 3), np.float32)
     )
 
 

@@ -95,6 +95,32 @@ def test_clipped_observations_are_left_out(scene):
     assert fit.gloss[TRUE] == pytest.approx(GLOSS, abs=0.02)
 
 
+def test_clipped_observations_are_lower_bounds(scene):
+    """All that tells of the gloss is clipped: it is at least what makes the model as bright."""
+    colours, clipped, lobes, voxel_of = scene
+    colours, clipped, lobes = colours.copy(), clipped.copy(), lobes.copy()
+    lobes[..., :3], colours[:] = 0.1, 0.2
+    lobes[::10, :, :3], colours[::10], clipped[::10] = 3.0, 1.0, True
+    fit = fit_gloss(colours, clipped, lobes, voxel_of)
+    assert fit.gloss[TRUE] == pytest.approx(0.8 / 2.9, abs=0.03)
+    unbound = np.ones(len(colours), np.bool_)
+    unbound[::10] = False
+    without = fit_gloss(colours[unbound], clipped[unbound], lobes[unbound], voxel_of[unbound])
+    assert without.gloss[TRUE] < 0.05
+    lobes[::10, :, :3] = 30.0
+    assert fit_gloss(colours, clipped, lobes, voxel_of).gloss[TRUE] < 0.8 / 2.9 / 5
+
+
+def test_a_lamp_where_none_is_mirrored_does_not_hide_the_gloss(scene):
+    """At the resolution of the light, lobes beside a lamp far above white see it, or do not."""
+    colours, clipped, lobes, voxel_of = scene
+    lobes = lobes.copy()
+    lobes[::40, :, :3] += 100.0
+    fit = fit_gloss(colours, clipped, lobes, voxel_of)
+    assert fit.gloss[TRUE] == pytest.approx(GLOSS, abs=0.03)
+    assert fit.weight.argmax() == TRUE
+
+
 def test_without_evidence_there_is_no_gloss_and_no_error(scene):
     colours, clipped, lobes, voxel_of = scene
     for nothing in (fit_gloss(colours, ~clipped, lobes, voxel_of),

@@ -26,7 +26,9 @@ def light_of(radiance, coverage=None, clipped=None):
     return ObservedLight(
         (radiance * coverage[..., None]).astype(np.float32),
         coverage,
-        np.zeros_like(ones) if clipped is None else clipped.astype(np.float32),
+        np.repeat((0.0 * ones if clipped is None else clipped)[..., None], 3, -1).astype(
+            np.float32
+        ),
     )
 
 

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """A glossy surface tells of light that no camera saw, and so of its own albedo."""
 
+import dataclasses
+
 import numpy as np
-import pytest
 
 from reflest_core.features.light.completion import complete
 from reflest_core.features.light.cosine_weights import cosine_weights
@@ -14,6 +15,7 @@ from reflest_core.features.light.light_from_reflections import infer_light_by_gl
 from reflest_core.features.light.light_from_shading import infer_light
 from reflest_core.features.light.light_patches import diffuse_response
 from reflest_core.features.light.reflected_patches import reflection
+from reflest_core.features.light.surface_sample import SurfaceSample
 from reflest_core.features.light.ward_lobe import ROUGHNESSES, lobe_radiance
 from reflest_core.fusion.light_map import SIZE, ObservedLight
 from reflest_core.fusion.octahedral import octahedral_directions
@@ -44,18 +46,21 @@ def explained(rho_s):
     light = seen_below(sky(), 0.3)
     filled = complete(light)
     response = diffuse_response(light, filled, incoming(cosine_weights(sample.normals)))
-    mirrored = reflection(filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions)
+    mirrored = reflection(
+        light, filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions
+    )
     start = np.full(3, 0.3, np.float32)
     (whole,) = infer_light_by_gloss(sample, response, mirrored, told(rho_s), start)
     return sample, light, filled, response, whole
 
 
 def test_what_was_seen_and_what_was_not_add_up_to_the_lobe():
-    light = complete(seen_below(sky(), 0.3))
+    seen = seen_below(sky(), 0.3)
+    light = complete(seen)
     sample = ball(sky(), ALBEDO, 0.3, ROUGHNESS)
     normals = sample.normals[sample.voxel_of]
     for roughness in (0, ROUGHNESS, 7):
-        parts = reflection(light, roughness, normals, sample.directions)
+        parts = reflection(seen, light, roughness, normals, sample.directions)
         lobes = lobe_radiance(light, normals, sample.directions)[:, roughness]
         np.testing.assert_allclose(parts.seen + parts.unseen.sum(axis=1), lobes[:, :3], atol=1e-5)
     assert (parts.unseen.sum(axis=(1, 2)) > 0.0).any()
@@ -63,12 +68,12 @@ def test_what_was_seen_and_what_was_not_add_up_to_the_lobe():
 
 
 def test_clipped_directions_answer_to_an_excess():
-    clipped = np.zeros((SIZE, SIZE), np.float32)
+    clipped = np.zeros((SIZE, SIZE, 3), np.float32)
     clipped[octahedral_directions(SIZE)[..., 2] > 0.8] = 1.0
-    whole = ObservedLight(np.ones((SIZE, SIZE, 3), np.float32), np.ones_like(clipped), clipped)
+    whole = ObservedLight(np.ones_like(clipped), np.ones((SIZE, SIZE), np.float32), clipped)
     up = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]], np.float32)
-    parts = reflection(complete(whole), 0, up, up)
-    assert parts.excess[0].sum() == pytest.approx(1.0, abs=0.02)
+    parts = reflection(whole, complete(whole), 0, up, up)
+    np.testing.assert_allclose(parts.excess[0].sum(axis=0), 1.0, atol=0.02)
     assert parts.excess[1].sum() == 0.0
     assert not parts.unseen.any()
 
@@ -96,10 +101,10 @@ def test_the_unseen_window_is_found():
 
 
 def test_every_second_observation_says_nearly_as_much():
-    sample, _, filled, response, whole = explained(0.3)
+    sample, light, filled, response, whole = explained(0.3)
     half = sample.every(2)
     np.testing.assert_array_equal(half.spread(half.colours)[half.voxel_of, half.slot], half.colours)
-    mirrored = reflection(filled, ROUGHNESS, half.normals[half.voxel_of], half.directions)
+    mirrored = reflection(light, filled, ROUGHNESS, half.normals[half.voxel_of], half.directions)
     (found,) = infer_light_by_gloss(half, response, mirrored, told(0.3), whole.albedo)
     assert len(half.colours) == (len(sample.colours) + 1) // 2
     np.testing.assert_allclose(found.albedo, whole.albedo, rtol=0.1)
@@ -107,6 +112,39 @@ def test_every_second_observation_says_nearly_as_much():
 
 def test_without_gloss_it_says_that_it_is_less_sure():
     assert (explained(0.0)[-1].deviation > 1.5 * explained(0.3)[-1].deviation).all()
+
+
+def test_what_is_clipped_asks_for_no_less_light():
+    """Matte, its lower side under seen light, its upper side clipped: so bright must the sky be."""
+    ground = np.full((SIZE, SIZE, 3), 0.1, np.float32)
+    light = seen_below(ground, 0.0)
+    filled = complete(light)
+    normals = np.repeat(np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]], np.float32), 20, axis=0)
+    is_upper = np.repeat(normals[:, 2:] > 0.0, 3, axis=1)
+    whole = SurfaceSample(
+        np.arange(40), normals, np.arange(40), np.zeros(40, np.int64), normals,
+        np.where(is_upper, np.float32(1.0), np.float32(0.05)), is_upper,
+    )  # fmt: skip
+    above = []
+    for sample in (whole, first_half(whole)):
+        response = diffuse_response(light, filled, incoming(cosine_weights(sample.normals)))
+        of = sample.normals[sample.voxel_of]
+        mirrored = reflection(light, filled, ROUGHNESS, of, sample.directions)
+        (found,) = infer_light_by_gloss(sample, response, mirrored, told(0.0), np.full(3, 0.3))
+        sky = mean_radiance(completed(light, filled, found), normals[-1:])[0, 0]
+        above.append(float(found.albedo[0] * sky))
+    bound, without = above
+    assert bound > 0.7
+    assert without < 0.5
+
+
+def first_half(sample):
+    """Only the lower side."""
+    return dataclasses.replace(
+        sample, voxel_of=sample.voxel_of[:20], slot=sample.slot[:20],
+        directions=sample.directions[:20], colours=sample.colours[:20],
+        clipped=sample.clipped[:20],
+    )  # fmt: skip
 
 
 def test_a_channel_that_is_all_clipped_says_nothing():
@@ -117,7 +155,7 @@ def test_a_channel_that_is_all_clipped_says_nothing():
     (found,) = infer_light_by_gloss(
         sample,
         diffuse_response(light, filled, incoming(cosine_weights(sample.normals))),
-        reflection(filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions),
+        reflection(light, filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions),
         told(0.3),
         np.full(3, 0.3, np.float32),
     )

@@ -11,7 +11,7 @@ from reflest_core.features.light.explained_light import completed
 from reflest_core.features.light.irradiance import incoming, mean_radiance
 from reflest_core.features.light.light_from_shading import infer_light
 from reflest_core.features.light.light_patches import diffuse_response
-from reflest_core.features.light.light_prior import BRIGHT, DIM
+from reflest_core.features.light.light_prior import BRIGHT, DIM, HUE
 from reflest_core.features.light.patch_grid import PATCHES, patch_directions
 from reflest_core.fusion.light_map import SIZE, ObservedLight
 from reflest_core.fusion.octahedral import octahedral_directions
@@ -32,7 +32,7 @@ def sky():
 
 
 def seen_as(radiance, coverage):
-    clipped = (radiance > 1.0).any(axis=-1) * coverage
+    clipped = (radiance > 1.0) * coverage[..., None]
     return ObservedLight(
         np.minimum(radiance, 1.0).astype(np.float32) * coverage[..., None],
         coverage.astype(np.float32),
@@ -91,6 +91,17 @@ def test_unseen_light_is_expected_above_rather_than_below():
     assert (DIM.mean[:PATCHES] < mean).all()
     assert (DIM.width[:PATCHES] < width).all()
     np.testing.assert_array_equal(BRIGHT.mean[PATCHES:], BRIGHT.excess[0])
+
+
+def test_unseen_light_above_is_expected_bluer_than_its_fill():
+    heights = patch_directions()[:, 2]
+    red, green, blue = (BRIGHT.of_channel(channel) for channel in range(3))
+    for less, more in ((red, green), (green, blue)):
+        change = more.mean / less.mean
+        assert (change[:PATCHES][heights > 0.5] > 1.1).all()
+        assert (change[:PATCHES][heights < 0.0] == 1.0).all()
+        np.testing.assert_allclose(more.width / less.width, change)
+    assert np.prod(HUE) == pytest.approx(1.0, abs=0.01)
 
 
 def test_a_table_top_is_as_light_as_its_unseen_sky_is_taken_for_dim():

@@ -18,7 +18,7 @@ def light(coverage, clipped, radiance=0.5):
     return ObservedLight(
         np.broadcast_to(np.float32(radiance), (*shape, 3)) * coverage[..., None],
         coverage.astype(np.float32),
-        np.broadcast_to(clipped, shape).astype(np.float32),
+        np.repeat(np.broadcast_to(clipped, shape)[..., None], 3, -1).astype(np.float32),
     )
 
 

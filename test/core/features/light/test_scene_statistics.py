@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from reflest_core.features.light import light_prior
 from reflest_core.features.light.explained_light import explain
 from reflest_core.features.light.scene_statistics import (
     CHANNEL_STATISTICS,
@@ -22,7 +23,9 @@ def lit_room(colour=(0.5, 0.4, 0.3)):
     """Brighter towards +x; all of it seen, none clipped."""
     strength = 0.4 + 0.3 * octahedral_directions(SIZE)[..., :1]
     ones = np.ones((SIZE, SIZE), np.float32)
-    return ObservedLight((strength * colour).astype(np.float32), ones, 0.0 * ones)
+    return ObservedLight(
+        (strength * colour).astype(np.float32), ones, np.zeros((SIZE, SIZE, 3), np.float32)
+    )
 
 
 def statistics(surface, light):
@@ -40,8 +43,10 @@ def test_sizes_are_as_stated(surface):
     assert found.of_all.shape == (STATISTICS,)
 
 
-def test_swapped_colours_swap_the_numbers(surface):
-    """To what it matters that the three are summed in another order, in the fit of the gloss."""
+def test_swapped_colours_swap_the_numbers(surface, monkeypatch):
+    """But for the hue that unseen light is thought to have, and to what it matters that the three
+    are summed in another order, in the fit of the gloss."""
+    monkeypatch.setattr(light_prior, "HUE", (1.0, 1.0, 1.0))
     swapped = dataclasses.replace(
         surface,
         colours=np.ascontiguousarray(surface.colours[:, ::-1]),
