@@ -22,7 +22,7 @@ NEGLIGIBLE = 1e-4
 """Of the strongest response: what answers less to a patch tells nothing of it."""
 HUE = (0.8, 0.93, 1.34)
 """What is above and unseen, over its fill, in each channel beside the mean of the three: skies are
-bluer than what stands below them. Of the 24 lights of SynBRDF's training, by their logarithms' mean.
+bluer than what stands below them. The mean of logarithms over the 24 lights of SynBRDF's training.
 """
 LEVEL = 0.3
 """Sine of the elevation up to which, above and below, a patch is beside the object."""
