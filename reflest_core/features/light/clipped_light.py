@@ -20,6 +20,7 @@ def excess_shape(light: ObservedLight) -> NDArray[np.float32]:
 
     1 where all of a texel was clipped in all channels, 0 in a channel that was never clipped.
     """
-    in_all = light.clipped.min(axis=-1, keepdims=True)
+    red, green, blue = np.moveaxis(light.clipped, -1, 0)
+    in_all = np.minimum(np.minimum(red, green), blue)[..., None]
     shape = in_all + np.float32(PARTLY) * (light.clipped - in_all)
     return np.asarray(shape * light.coverage[..., None])

@@ -22,7 +22,7 @@ from reflest_core.features.light.irradiance import (
 )
 from reflest_core.features.light.light_from_reflections import infer_light_by_gloss
 from reflest_core.features.light.light_from_shading import InferredLight, infer_light
-from reflest_core.features.light.light_patches import diffuse_response
+from reflest_core.features.light.light_patches import LightParts, diffuse_response
 from reflest_core.features.light.light_prior import BRIGHT, DIM
 from reflest_core.features.light.material_fit import MaterialFit, fit_material
 from reflest_core.features.light.patch_grid import patch_image
@@ -108,7 +108,8 @@ def explain(
     weights = cosine_weights(surface.normals[voxels])
     sight = occluders.sight(surface.positions[voxels], surface.normals[voxels], weights)
     arriving = incoming(weights, sight)
-    response = diffuse_response(light, filled, arriving)
+    parts = LightParts.of(light, filled)
+    response = diffuse_response(parts, arriving)
     sample = sampled(surface, choose_voxels(surface, SAMPLED))
     shading = infer_light(response, colours)
     weights = cosine_weights(sample.normals)
@@ -128,7 +129,7 @@ def explain(
         sight_of_asked,
     )
     of_sample = incoming(weights, sight)
-    response = diffuse_response(light, filled, of_sample)
+    response = diffuse_response(parts, of_sample)
     bright, dim = infer_light_by_gloss(
         asked, response, mirrored, gloss, shading.albedo, (BRIGHT, DIM)
     )

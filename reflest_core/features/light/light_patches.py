@@ -45,24 +45,40 @@ class PatchResponse:
         )
 
 
-def diffuse_response(
-    light: ObservedLight, filled: LightPyramid, incoming: Incoming
-) -> PatchResponse:
+@dataclass(frozen=True)
+class LightParts:
+    """The light in T = SIZE^2 texels, as coarse as diffuse surfaces need it; (T, 3) float32.
+
+    ``seen``: as it was seen. ``fill``: what a smooth fill adds where it was not. ``excess``: see
+    :func:`.excess_shape`.
+    """
+
+    seen: NDArray[np.float32]
+    fill: NDArray[np.float32]
+    excess: NDArray[np.float32]
+
+    @staticmethod
+    def of(light: ObservedLight, filled: LightPyramid) -> LightParts:
+        """``filled``: the same light after pull and push."""
+        both = np.concatenate([light.radiance * light.coverage[..., None], excess_shape(light)], -1)
+        while len(both) > SIZE:
+            both = halved(both)
+        level = next(level for level in filled.levels if len(level) == SIZE)
+        seen, excess, whole = (
+            part.reshape(-1, 3) for part in (both[..., :3], both[..., 3:], level[..., :3])
+        )
+        return LightParts(seen, np.maximum(whole - seen, 0.0), excess)
+
+
+def diffuse_response(light: LightParts, incoming: Incoming) -> PatchResponse:
     """How a matte white surface would answer to each part of the light.
 
-    ``filled``: the same light after pull and push. What comes from the surface itself counts as
-    seen.
+    What comes from the surface itself counts as seen.
     """
-    fine = np.concatenate([light.radiance * light.coverage[..., None], excess_shape(light)], -1)
-    while len(fine) > SIZE:
-        fine = halved(fine)
-    seen, excess = fine[..., :3], fine[..., 3:]
-    level = next(level for level in filled.levels if len(level) == SIZE)
-    added = np.maximum(level[..., :3] - seen, 0.0)
     by_patch = incoming.weights[:, texels_of_patches(SIZE)]
-    unknown = _summed(by_patch, np.concatenate([added, excess], axis=-1).reshape(-1, 6))
+    unknown = _summed(by_patch, np.concatenate([light.fill, light.excess], axis=-1))
     return PatchResponse(
-        seen=np.asarray(incoming.weights @ seen.reshape(-1, 3) + incoming.own, np.float32),
+        seen=np.asarray(incoming.weights @ light.seen + incoming.own, np.float32),
         unseen=unknown[..., :3],
         excess=unknown[..., 3:],
     )

@@ -8,7 +8,7 @@ from reflest_core.features.light.clipped_light import PARTLY, excess_shape
 from reflest_core.features.light.completion import complete
 from reflest_core.features.light.cosine_weights import cosine_weights
 from reflest_core.features.light.irradiance import incoming
-from reflest_core.features.light.light_patches import diffuse_response
+from reflest_core.features.light.light_patches import LightParts, diffuse_response
 from reflest_core.features.light.reflected_patches import reflection
 from reflest_core.fusion.light_map import SIZE, LightMap
 
@@ -44,7 +44,7 @@ def test_surfaces_answer_by_channel():
     """Of a sky that left the range in blue, red and green are known."""
     light = sky((90, 200, 255))
     filled = complete(light)
-    shaded = diffuse_response(light, filled, incoming(cosine_weights(UP)))
+    shaded = diffuse_response(LightParts.of(light, filled), incoming(cosine_weights(UP)))
     mirrored = reflection(light, filled, 4, UP, UP)
     for parts in (shaded, mirrored):
         excess = parts.excess[0].sum(axis=0)

@@ -13,7 +13,7 @@ from reflest_core.features.light.gloss_fit import GlossFit
 from reflest_core.features.light.irradiance import incoming, mean_radiance
 from reflest_core.features.light.light_from_reflections import infer_light_by_gloss
 from reflest_core.features.light.light_from_shading import infer_light
-from reflest_core.features.light.light_patches import diffuse_response
+from reflest_core.features.light.light_patches import LightParts, diffuse_response
 from reflest_core.features.light.reflected_patches import reflection
 from reflest_core.features.light.surface_sample import SurfaceSample
 from reflest_core.features.light.ward_lobe import ROUGHNESSES, lobe_radiance
@@ -45,7 +45,9 @@ def explained(rho_s):
     sample = ball(sky(), ALBEDO, rho_s, ROUGHNESS)
     light = seen_below(sky(), 0.3)
     filled = complete(light)
-    response = diffuse_response(light, filled, incoming(cosine_weights(sample.normals)))
+    response = diffuse_response(
+        LightParts.of(light, filled), incoming(cosine_weights(sample.normals))
+    )
     mirrored = reflection(
         light, filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions
     )
@@ -127,7 +129,9 @@ def test_what_is_clipped_asks_for_no_less_light():
     )  # fmt: skip
     above = []
     for sample in (whole, first_half(whole)):
-        response = diffuse_response(light, filled, incoming(cosine_weights(sample.normals)))
+        response = diffuse_response(
+            LightParts.of(light, filled), incoming(cosine_weights(sample.normals))
+        )
         of = sample.normals[sample.voxel_of]
         mirrored = reflection(light, filled, ROUGHNESS, of, sample.directions)
         (found,) = infer_light_by_gloss(sample, response, mirrored, told(0.0), np.full(3, 0.3))
@@ -154,7 +158,7 @@ def test_a_channel_that_is_all_clipped_says_nothing():
     sample.clipped[:, 0] = True
     (found,) = infer_light_by_gloss(
         sample,
-        diffuse_response(light, filled, incoming(cosine_weights(sample.normals))),
+        diffuse_response(LightParts.of(light, filled), incoming(cosine_weights(sample.normals))),
         reflection(light, filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions),
         told(0.3),
         np.full(3, 0.3, np.float32),

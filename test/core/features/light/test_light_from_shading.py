@@ -10,7 +10,7 @@ from reflest_core.features.light.cosine_weights import cosine_weights
 from reflest_core.features.light.explained_light import completed
 from reflest_core.features.light.irradiance import incoming, mean_radiance
 from reflest_core.features.light.light_from_shading import infer_light
-from reflest_core.features.light.light_patches import diffuse_response
+from reflest_core.features.light.light_patches import LightParts, diffuse_response
 from reflest_core.features.light.light_prior import BRIGHT, DIM, HUE
 from reflest_core.features.light.patch_grid import PATCHES, patch_directions
 from reflest_core.fusion.light_map import SIZE, ObservedLight
@@ -50,7 +50,9 @@ def colours_under(radiance):
 def inferred(observed, colours, prior=BRIGHT):
     filled = complete(observed)
     found = infer_light(
-        diffuse_response(observed, filled, incoming(cosine_weights(normals()))), colours, prior
+        diffuse_response(LightParts.of(observed, filled), incoming(cosine_weights(normals()))),
+        colours,
+        prior,
     )
     return filled, found
 
@@ -109,7 +111,7 @@ def test_a_table_top_is_as_light_as_its_unseen_sky_is_taken_for_dim():
     up = np.tile(np.array([0.0, 0.0, 1.0], np.float32), (50, 1))
     observed = seen_as(np.minimum(sky(), 0.9), (octahedral_directions(SIZE)[..., 2] < 0.0) * 1.0)
     filled = complete(observed)
-    response = diffuse_response(observed, filled, incoming(cosine_weights(up)))
+    response = diffuse_response(LightParts.of(observed, filled), incoming(cosine_weights(up)))
     bright, dim = (
         infer_light(response, np.full((50, 3), 0.5, np.float32), prior).albedo
         for prior in (BRIGHT, DIM)
@@ -128,7 +130,9 @@ def test_highlights_on_some_voxels_hardly_matter():
 def test_parts_of_the_light_add_up_to_the_filled_light():
     observed = seen_as(sky(), (octahedral_directions(SIZE)[..., 0] < 0.1).astype(np.float32))
     filled = complete(observed)
-    response = diffuse_response(observed, filled, incoming(cosine_weights(normals())))
+    response = diffuse_response(
+        LightParts.of(observed, filled), incoming(cosine_weights(normals()))
+    )
     whole = response.seen + response.unseen.sum(axis=1)
     np.testing.assert_allclose(whole, mean_radiance(filled, normals())[:, :3], rtol=0.02)
     assert response.unseen.shape == (400, PATCHES, 3)

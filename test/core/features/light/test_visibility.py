@@ -11,7 +11,7 @@ from reflest_core.features.light.completion import complete
 from reflest_core.features.light.cosine_weights import cosine_weights
 from reflest_core.features.light.explained_light import explain
 from reflest_core.features.light.irradiance import incoming, mean_radiance
-from reflest_core.features.light.light_patches import diffuse_response
+from reflest_core.features.light.light_patches import LightParts, diffuse_response
 from reflest_core.features.light.patch_grid import PATCHES, patches_of_texels, texels_of_patches
 from reflest_core.features.light.reflected_patches import reflection
 from reflest_core.features.light.visibility import NEIGHBOURS, Occluders, Sight
@@ -128,7 +128,9 @@ def test_parts_of_the_light_add_up_past_what_is_hidden():
     filled = complete(light)
     sample = ball(sky, np.array([0.2, 0.2, 0.2]), 0.3, 4)
     sight = half_hidden(len(sample.normals))
-    parts = diffuse_response(light, filled, incoming(cosine_weights(sample.normals), sight))
+    parts = diffuse_response(
+        LightParts.of(light, filled), incoming(cosine_weights(sample.normals), sight)
+    )
     whole = mean_radiance(filled, sample.normals, sight)[:, :3]
     np.testing.assert_allclose(parts.seen + parts.unseen.sum(axis=1), whole, rtol=0.05)
     normals, of_observations = sample.normals[sample.voxel_of], sight.of(sample.voxel_of)
