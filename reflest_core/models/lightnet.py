@@ -53,7 +53,8 @@ class LightNet(nn.Module):
         self.gloss = _two_layers("gloss")
         self.diffuse = _two_layers("diffuse")
         self.diffuse_head = nn.Linear(*ONE_LAYER["diffuse_head"])
-        self.gloss_head = nn.Linear(*ONE_LAYER["gloss_head"])
+        self.strength_head = nn.Linear(*ONE_LAYER["strength_head"])
+        self.roughness_head = nn.Linear(*ONE_LAYER["roughness_head"])
         self.found_scale = nn.Parameter(torch.tensor(FOUND_SCALE))
         self.dropout = nn.Dropout(DROPPED)
 
@@ -137,24 +138,24 @@ class LightNet(nn.Module):
                 self.dropout(torch.cat([channels, gloss[:, None].expand(channels.shape)], dim=-1))
             )
         )
-        specular = self.gloss_head(gloss)
-        strengths = 4 + FOUND_STRENGTHS + 1
         scale = self.found_scale
-        believed = torch.cat(
-            [
-                _believed(found_albedo * scale[0], diffuse[..., 2:]),
-                _believed(found_gloss[:, :FOUND_STRENGTHS] * scale[1], specular[:, 4:strengths])[
-                    :, None
-                ],
-                _believed(found_gloss[:, FOUND_STRENGTHS:] * scale[2], specular[:, strengths:])[
-                    :, None
-                ],
-            ],
-            dim=1,
-        )
-        means = torch.cat([diffuse[..., 0], specular[:, :2]], dim=1) + believed
-        log_variances = torch.cat([diffuse[..., 1], specular[:, 2:4]], dim=1)
+        strength, roughness = found_gloss[:, :FOUND_STRENGTHS], found_gloss[:, FOUND_STRENGTHS:]
+        answers = [
+            _answer(diffuse, found_albedo * scale[0]),
+            _answer(self.strength_head(gloss)[:, None], strength[:, None] * scale[1]),
+            _answer(self.roughness_head(gloss)[:, None], roughness[:, None] * scale[2]),
+        ]
+        means, log_variances = (torch.cat(parts, dim=1) for parts in zip(*answers, strict=True))
         return means, log_variances
+
+
+def _answer(said: torch.Tensor, found: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+    """Mean and log variance, (B, N) each, of what a head ``said`` (B, N, 3 + A) of N parameters.
+
+    ``found``: (B, N, A), what the physics says. It is believed in part, and added to.
+    """
+    belief = torch.softmax(said[..., 2:], dim=-1)[..., :-1]
+    return said[..., 0] + (belief * found).sum(dim=-1), said[..., 1]
 
 
 def pooled(x: torch.Tensor, seen: torch.Tensor, count: torch.Tensor) -> torch.Tensor:
@@ -163,11 +164,6 @@ def pooled(x: torch.Tensor, seen: torch.Tensor, count: torch.Tensor) -> torch.Te
     squares = ((x - mean[:, :, None]) ** 2 * seen).sum(dim=2) / count.clamp(min=1)
     greatest = torch.where(count > 0, (x + (seen - 1.0) * 1e4).amax(dim=2), 0.0)
     return torch.cat([mean, torch.sqrt(squares + 1e-6), greatest], dim=-1)
-
-
-def _believed(found: torch.Tensor, logits: torch.Tensor) -> torch.Tensor:
-    """(..., A) answers and (..., A + 1) logits to (...), their sum by belief; the last is in 0."""
-    return (torch.softmax(logits, dim=-1)[..., :-1] * found).sum(dim=-1)
 
 
 def _deviation(x: torch.Tensor, weight: torch.Tensor, total: torch.Tensor) -> torch.Tensor:

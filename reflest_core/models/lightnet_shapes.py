@@ -25,15 +25,16 @@ TWO_LAYERS = {
     "diffuse": (2 * SCENE, SCENE, SCENE),
 }
 """Inputs of each stage of two layers, and the widths of the two."""
-FOUND_ALBEDOS, FOUND_STRENGTHS, FOUND_ALPHAS = 3, 1, 2
-"""Answers of the physics to ``rho_d``, ``rho_s`` and ``alpha`` that the network weighs."""
+FOUND_ALBEDOS, FOUND_STRENGTHS, FOUND_ROUGHNESSES = 3, 1, 2
+"""Answers of the physics to ``rho_d``, ``rho_s`` and ``alpha``."""
 ONE_LAYER = {
     "attention": (VOXEL, HEADS),
-    "diffuse_head": (SCENE, 2 + FOUND_ALBEDOS + 1),
-    "gloss_head": (SCENE, 4 + FOUND_STRENGTHS + 1 + FOUND_ALPHAS + 1),
+    "diffuse_head": (SCENE, 3 + FOUND_ALBEDOS),
+    "strength_head": (SCENE, 3 + FOUND_STRENGTHS),
+    "roughness_head": (SCENE, 3 + FOUND_ROUGHNESSES),
 }
-"""Inputs and outputs of the others. Of the heads: means and log variances, and logits of how much
-each answer of the physics is believed, and none of them."""
+"""Inputs and outputs of the others. Of a head: what the network adds, the log variance, and logits
+of how far each answer of the physics is believed, and none of them."""
 STANDARDS = {"of_channel": CHANNEL_INPUTS, "of_all": SHARED_INPUTS}
 """Inputs that are taken in standard units."""
 

@@ -39,7 +39,8 @@ class LiveLightNet:
         self._of_all = _Standard.of(tensors, "of_all")
         self._diffuse = _two_layers(tensors, "diffuse")
         self._diffuse_head = DenseLayer.of(tensors, "diffuse_head")
-        self._gloss_head = DenseLayer.of(tensors, "gloss_head")
+        self._strength_head = DenseLayer.of(tensors, "strength_head")
+        self._roughness_head = DenseLayer.of(tensors, "roughness_head")
         self._found_scale = tensors["found_scale"]
 
     def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Scores:
@@ -77,16 +78,22 @@ class LiveLightNet:
             diffuse = self._diffuse_head.linear(
                 _run(self._diffuse, np.concatenate([channels, beside], axis=-1))
             )
-            specular = self._gloss_head.linear(gloss)
-        strengths = 4 + FOUND_STRENGTHS + 1
-        albedo, strength, roughness = self._found_scale
-        believed = [
-            *_believed(look.found_albedo * albedo, diffuse[:, 2:]),
-            _believed(look.found_gloss[:FOUND_STRENGTHS] * strength, specular[4:strengths]),
-            _believed(look.found_gloss[FOUND_STRENGTHS:] * roughness, specular[strengths:]),
-        ]
-        means = np.concatenate([diffuse[:, 0], specular[:2]]) + np.array(believed, np.float32)
-        return means, np.concatenate([diffuse[:, 1], specular[2:4]])
+            strength = self._strength_head.linear(gloss)
+            roughness = self._roughness_head.linear(gloss)
+        found = (
+            look.found_albedo,
+            look.found_gloss[:FOUND_STRENGTHS],
+            look.found_gloss[FOUND_STRENGTHS:],
+        )
+        answers = [
+            _answer(np.atleast_2d(said), np.atleast_2d(of * scale))
+            for said, of, scale in zip(
+                (diffuse, strength, roughness), found, self._found_scale,
+                strict=True,
+            )
+        ]  # fmt: skip
+        means, log_variances = (np.concatenate(parts) for parts in zip(*answers, strict=True))
+        return means, log_variances
 
     def _described_voxels(self, look: Shading, mean_light: Array) -> Array:
         """(V, 3, width): every voxel by channel, from the observations that were made of it."""
@@ -146,11 +153,11 @@ class _Standard(NamedTuple):
         return np.asarray(np.clip((values - self.mean) / self.deviation, -FURTHEST, FURTHEST))
 
 
-def _believed(found: Array, logits: Array) -> Array:
-    """(..., A) answers and (..., A + 1) logits to (...), their sum by belief; the last is in 0."""
-    belief = np.exp(logits - logits.max(axis=-1, keepdims=True))
-    belief /= belief.sum(axis=-1, keepdims=True)
-    return np.asarray((belief[..., :-1] * found).sum(axis=-1))
+def _answer(said: Array, found: Array) -> tuple[Array, Array]:
+    """Mean and log variance, (N,) each; see ``models/lightnet.py``."""
+    belief = np.exp(said[:, 2:] - said[:, 2:].max(axis=1, keepdims=True))
+    belief /= belief.sum(axis=1, keepdims=True)
+    return said[:, 0] + (belief[:, :-1] * found).sum(axis=1), said[:, 1]
 
 
 def _two_layers(tensors: Tensors, name: str) -> tuple[DenseLayer, DenseLayer]:

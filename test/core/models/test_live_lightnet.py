@@ -71,10 +71,10 @@ def test_what_the_physics_found_can_be_believed(network):
     """With all belief in one answer of each kind, the estimate is that answer, scaled."""
     module, _ = network
     tensors = {name: t.numpy().copy() for name, t in module.state_dict().items()}
-    for head, believed in (("diffuse_head", (3,)), ("gloss_head", (4, 7))):
+    for head, believed in (("diffuse_head", 1), ("strength_head", 0), ("roughness_head", 1)):
         tensors[f"{head}.weight"][:] = 0.0
         tensors[f"{head}.bias"][:] = 0.0
-        tensors[f"{head}.bias"][list(believed)] = 50.0
+        tensors[f"{head}.bias"][2 + believed] = 50.0
     look = look_at(20)
     means, log_variances = LiveLightNet(tensors).evaluate(look)
     expected = [*look.found_albedo[:, 1], look.found_gloss[0], look.found_gloss[2]]
