@@ -5,23 +5,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Generator
-from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, as_completed
+from concurrent.futures import Executor
 from contextlib import AbstractContextManager, closing
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from tqdm import tqdm
 
-from reflest_core.errors import ReflestError
 from reflest_core.synbrdf.data_folder import begin_manifest, write_json
 from reflest_core.synbrdf.generation import Generation, ShardTask, shard_tasks
 from reflest_core.synbrdf.scene_file import MANIFEST, SceneFileError, sha256, write_atomically
 from reflest_core.synbrdf.shard_rendering import render_shard
-
-
-class GenerationError(ReflestError):
-    """A worker cannot do its part."""
+from reflest_core.synbrdf.shard_workers import WorkerError, finished
 
 
 def generate(
@@ -43,39 +39,13 @@ def generate(
     # Closed at once when writing fails, so that what nobody will take is not rendered.
     with (
         tqdm(total=scenes, initial=done, unit="scene") as progress,
-        closing(_rendered(workers, generation, manifest, missing)) as rendered,
+        closing(finished(workers, partial(render_agreed, generation, manifest), missing)) as shards,
     ):
-        for task, shard in rendered:
+        for task, shard in shards:
             write_atomically(folder / task.file_name, shard)
             progress.update(task.scenes)
     hashes = {task.file_name: sha256(folder / task.file_name) for task in tasks}
     write_json(folder / MANIFEST, {**manifest, "sha256": hashes})
-
-
-def _rendered(
-    workers: AbstractContextManager[Executor],
-    generation: Generation,
-    manifest: dict[str, Any],
-    tasks: list[ShardTask],
-) -> Generator[tuple[ShardTask, bytes]]:
-    """Shards as they are done; when this is closed, those not yet begun are given up."""
-    if not tasks:
-        return
-    with workers as executor:
-        running: dict[Future[bytes], ShardTask] = {
-            executor.submit(render_agreed, generation, manifest, task): task for task in tasks
-        }
-        try:
-            for finished in as_completed(list(running)):
-                yield running.pop(finished), finished.result()
-        except (BrokenExecutor, CancelledError) as error:
-            raise GenerationError(
-                "a generating process was ended from outside, perhaps for want of memory: the same "
-                "command goes on, with fewer --jobs if need be"
-            ) from error
-        finally:
-            for future in running:
-                future.cancel()
 
 
 def render_agreed(generation: Generation, manifest: dict[str, Any], task: ShardTask) -> bytes:
@@ -83,7 +53,7 @@ def render_agreed(generation: Generation, manifest: dict[str, Any], task: ShardT
     own = generation.manifest()
     differing = sorted(key for key in manifest if own.get(key) != manifest[key])
     if differing:
-        raise GenerationError(
+        raise WorkerError(
             f"a worker has another {', '.join(differing)}: install the same reflest on every "
             "machine, and put the same --environments and --meshes at the same paths"
         )

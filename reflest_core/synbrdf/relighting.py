@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
-from concurrent.futures import as_completed
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager, closing
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +18,6 @@ from reflest_core.errors import ReflestError
 from reflest_core.synbrdf.data_folder import begin_manifest, read_manifest
 from reflest_core.synbrdf.environments import EnvironmentSource, load_environment
 from reflest_core.synbrdf.generation import Generation
-from reflest_core.synbrdf.process_pool import process_pool
 from reflest_core.synbrdf.relit_scene import drawn_anew, is_relightable
 from reflest_core.synbrdf.scene_file import (
     FORMAT,
@@ -25,6 +26,7 @@ from reflest_core.synbrdf.scene_file import (
     write_atomically,
 )
 from reflest_core.synbrdf.seeding import Purpose, generator
+from reflest_core.synbrdf.shard_workers import WorkerError, finished
 from reflest_core.synbrdf.source_fingerprint import source_fingerprint
 from reflest_core.synbrdf.splits import Split
 
@@ -79,44 +81,58 @@ class Relighting:
         }
 
 
-def relight(out: Path, relighting: Relighting, jobs: int) -> None:
-    """Write every shard that is not there yet; a killed run goes on where it was."""
+def relight(out: Path, relighting: Relighting, workers: AbstractContextManager[Executor]) -> None:
+    """Write every shard that is not there yet; a killed run goes on where it was.
+
+    ``workers`` read the source themselves; only this process writes.
+    """
     if relighting.copies < 1:
         raise RelightingRefused(f"--copies is {relighting.copies}, but must be 1 or more")
     shards = sorted(relighting.source.glob("train-*.safetensors"))
     if not shards:
         raise RelightingRefused(f"{relighting.source} holds no training scenes to relight")
     lights = relighting.lights()
-    begin_manifest(out, relighting.manifest(lights))
-    tasks = [(shard, copy) for copy in range(relighting.copies) for shard in shards]
-    missing = [task for task in tasks if not _path(out, *task).exists()]
+    manifest = relighting.manifest(lights)
+    begin_manifest(out, manifest)
+    tasks = [RelitShard(shard, copy) for copy in range(relighting.copies) for shard in shards]
+    missing = [task for task in tasks if not (out / task.file_name).exists()]
+    made = partial(relit_agreed, lights, manifest["code"])
     with (
-        process_pool(jobs) as pool,
-        tqdm(total=len(tasks), initial=len(tasks) - len(missing), unit="shard") as bar,
+        tqdm(total=len(tasks), initial=len(tasks) - len(missing), unit="shard") as progress,
+        closing(finished(workers, made, missing)) as relit_shards,
     ):
-        futures = [pool.submit(_relight_shard, *task, out, lights) for task in missing]
-        try:
-            for future in as_completed(futures):
-                future.result()
-                bar.update()
-        except BaseException:
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
+        for task, shard in relit_shards:
+            write_atomically(out / task.file_name, shard)
+            progress.update()
 
 
-def _relight_shard(shard: Path, copy: int, out: Path, lights: list[EnvironmentSource]) -> None:
-    """Every scene that Eq. 1 holds for; a shard may end with fewer than it began with."""
+@dataclass(frozen=True)
+class RelitShard:
+    """The scenes of ``shard`` for the ``copy``-th time."""
+
+    shard: Path
+    copy: int
+
+    @property
+    def file_name(self) -> str:
+        """Such as ``train-00040-1.safetensors``."""
+        return f"{self.shard.stem}-{self.copy}.safetensors"
+
+
+def relit_agreed(lights: list[EnvironmentSource], code: str, task: RelitShard) -> bytes:
+    """Every scene that Eq. 1 holds for; a shard may end with fewer than it began with.
+
+    Raises :class:`WorkerError` where this worker's ``code`` is another.
+    """
+    if source_fingerprint() != code:
+        raise WorkerError("a worker has another code: install the same reflest on every machine")
     maps = [load_environment(light) for light in lights]
-    seed = int(read_manifest(shard.parent)["seed"])
+    seed = int(read_manifest(task.shard.parent)["seed"])
     relit = []
-    for scene in load_shard(shard):
+    for scene in load_shard(task.shard):
         if not is_relightable(scene):
             continue
         stream = generator(seed, Split(scene.split), scene.index, Purpose.RELIGHT)
-        rng = np.random.default_rng([int(stream.integers(2**63)), copy])
+        rng = np.random.default_rng([int(stream.integers(2**63)), task.copy])
         relit.append(drawn_anew(scene, maps, rng))
-    write_atomically(_path(out, shard, copy), shard_bytes(relit))
-
-
-def _path(out: Path, shard: Path, copy: int) -> Path:
-    return out / f"{shard.stem}-{copy}.safetensors"
+    return shard_bytes(relit)

@@ -14,10 +14,12 @@ import distributed
 
 from reflest_core.cli.main import main
 from reflest_core.synbrdf.dask_cluster import ClusterError, dask_cluster
-from reflest_core.synbrdf.generate import GenerationError, generate, render_agreed
+from reflest_core.synbrdf.generate import generate, render_agreed
 from reflest_core.synbrdf.generation import Generation, ShardTask
 from reflest_core.synbrdf.process_pool import process_pool
+from reflest_core.synbrdf.relighting import Relighting, RelitShard, relight, relit_agreed
 from reflest_core.synbrdf.scene_file import sha256
+from reflest_core.synbrdf.shard_workers import WorkerError
 from reflest_core.synbrdf.splits import Split
 
 GENERATION = Generation(
@@ -62,12 +64,32 @@ def test_two_workers_write_the_bytes_of_the_process_pool(cluster, tmp_path):
     assert hashes(tmp_path / "dask") == expected
 
 
+def test_two_workers_relight_as_the_process_pool_does(cluster, tmp_path):
+    data = tmp_path / "data"
+    generate(data, GENERATION, process_pool(1))
+    words = ["--out", str(tmp_path / "dask"), "--scheduler", cluster.scheduler_address]
+    assert main(["synbrdf", "relight", str(data), *words, "--copies", "2"]) == 0
+    relight(tmp_path / "pool", Relighting(data, 2), process_pool(1))
+    expected = hashes(tmp_path / "pool")
+    assert set(expected) == {
+        "manifest.json",
+        "train-00000-0.safetensors",
+        "train-00000-1.safetensors",
+    }
+    assert hashes(tmp_path / "dask") == expected
+
+
+def test_a_relighting_worker_with_other_code_is_refused(tmp_path):
+    with pytest.raises(WorkerError, match="a worker has another code"):
+        relit_agreed([], "other", RelitShard(tmp_path / "train-00000.safetensors", 0))
+
+
 def test_a_worker_with_other_code_is_refused(cluster, tmp_path):
     other = {**GENERATION.manifest(), "code": "other"}
     task = ShardTask(Split.TRAIN, 0, 1)
     with (
         dask_cluster(cluster.scheduler_address) as executor,
-        pytest.raises(GenerationError, match="a worker has another code"),
+        pytest.raises(WorkerError, match="a worker has another code"),
     ):
         executor.submit(render_agreed, GENERATION, other, task).result()
 

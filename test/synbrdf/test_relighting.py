@@ -99,7 +99,7 @@ def test_the_background_is_the_light_where_it_is(convex):
 
 
 def relit_set(data, out, copies=2):
-    relight(out, Relighting(data, copies), jobs=1)
+    relight(out, Relighting(data, copies), process_pool(1))
     return {path.name: sha256(path) for path in sorted(out.glob("*.safetensors"))}
 
 
@@ -126,7 +126,7 @@ def test_other_environments_than_the_sources_are_refused(data, tmp_path):
     np.savez(tmp_path / "other.npz", a=np.ones((8, 16, 3)), b=np.ones((8, 16, 3)))
     relighting = Relighting(data, 1, environments=tmp_path / "other.npz")
     with pytest.raises(RelightingRefused, match="unseen lights could not be told"):
-        relight(tmp_path / "relit", relighting, jobs=1)
+        relight(tmp_path / "relit", relighting, process_pool(1))
 
 
 def test_what_was_begun_otherwise_is_refused(data, tmp_path):

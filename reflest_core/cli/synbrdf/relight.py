@@ -8,6 +8,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from reflest_core.cli.synbrdf.worker_options import add_worker_options, workers_of
+
 
 def add_parser(products: Any) -> None:
     """Add the subcommand."""
@@ -22,7 +24,7 @@ def add_parser(products: Any) -> None:
         "--without", nargs="*", default=[], metavar="NAME", help="environments to leave out"
     )
     parser.add_argument("--copies", type=int, default=1, help="of each scene")
-    parser.add_argument("--jobs", type=int, default=1, help="processes")
+    add_worker_options(parser, "processes")
     parser.set_defaults(run=run)
 
 
@@ -34,5 +36,5 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.source, arguments.copies, arguments.environments,
         arguments.extra_environments, tuple(arguments.without),
     )  # fmt: skip
-    relight(arguments.out, relighting, arguments.jobs)
+    relight(arguments.out, relighting, workers_of(arguments))
     return 0

@@ -1,0 +1,31 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Who makes the shards of a data set: processes of this machine, or a Dask cluster."""
+
+from __future__ import annotations
+
+import argparse
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager
+
+
+def add_worker_options(parser: argparse.ArgumentParser, jobs: str) -> None:
+    """``--jobs``, which means ``jobs``, or ``--scheduler``."""
+    workers = parser.add_mutually_exclusive_group()
+    workers.add_argument("--jobs", type=int, default=1, help=jobs)
+    workers.add_argument(
+        "--scheduler", metavar="ADDRESS", help="use the workers of this Dask scheduler instead"
+    )
+
+
+def workers_of(arguments: argparse.Namespace) -> AbstractContextManager[Executor]:
+    """Not yet begun. Raises ``GenerationRefused`` for fewer than one process."""
+    from reflest_core.synbrdf.dask_cluster import dask_cluster
+    from reflest_core.synbrdf.generation import GenerationRefused
+    from reflest_core.synbrdf.process_pool import process_pool
+
+    if arguments.scheduler is not None:
+        return dask_cluster(arguments.scheduler)
+    if arguments.jobs < 1:
+        raise GenerationRefused(f"--jobs is {arguments.jobs}, but must be 1 or more")
+    return process_pool(arguments.jobs)
