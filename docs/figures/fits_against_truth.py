@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The table in docs/lightnet.md: what the physics finds by itself, before any network.
 
-python docs/figures/fits_against_truth.py DATA
+python docs/figures/fits_against_truth.py DATA [--every 24] [--panorama ENVIRONMENTS]
 """
 
 import argparse
@@ -13,8 +13,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.environment.known_light import KnownLight
 from reflest_core.features.light.explained_light import Explanation, explain
 from reflest_core.features.light.ward_lobe import ROUGHNESSES
+from reflest_core.synbrdf.environments import find_environments, load_environment, rotated
 from reflest_core.synbrdf.scene_file import load_scenes
 from reflest_core.synbrdf.scene_light import scene_light
 from reflest_core.training.augmentation import keep_views
@@ -40,7 +42,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="What the physics finds by itself.")
     parser.add_argument("data", type=Path, help="a SynBRDF folder")
     parser.add_argument("--every", type=int, default=48, help="of the training scenes")
+    parser.add_argument(
+        "--panorama",
+        type=Path,
+        help="environments: all of the light is known, in high dynamic range",
+    )
     arguments = parser.parse_args()
+    lights = {}
+    if arguments.panorama is not None:
+        lights = {source.name: source for source in find_environments(arguments.panorama)}
     truths, found = [], []
     for number, scene in enumerate(
         islice(load_scenes(arguments.data, "train"), 0, None, arguments.every)
@@ -49,6 +59,11 @@ def main() -> None:
         if number % 2:
             views = np.sort(np.random.default_rng(scene.index).permutation(views)[:20])
         light = scene_light(scene, views)
+        if lights:
+            if scene.environment not in lights:
+                continue  # mixed of two: no file holds it
+            room = rotated(load_environment(lights[scene.environment]), scene.environment_rotation)
+            light = KnownLight.of(room).joined(light).light
         surface = dataclasses.replace(keep_views(scene.surface, views), light=light)
         found.append(explain(surface, light))
         truths.append([*scene.truth.rho_d, scene.truth.rho_s, scene.truth.alpha])
