@@ -11,7 +11,7 @@ from reflest_core.fusion.light_map import ObservedLight
 
 PARTLY = 0.05
 """Radiance beyond white where one or two channels were clipped, in units of that where all three
-were: in backgrounds of SynBRDF's training scenes 0.1 to 1 against 9 to 12 times white, in the mean.
+were: in backgrounds of SynBRDF's training scenes 0.1 to 0.9 against 9 to 12 of it, in the mean.
 A blue sky leaves the range a little, in one channel; a lamp in all three, and far."""
 
 
