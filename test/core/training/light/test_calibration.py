@@ -12,7 +12,7 @@ from reflest_core.training.light.measured_looks import HALF_WIDTH, MeasuredLooks
 def test_ninety_percent_intervals_hold_ninety_percent():
     rng = np.random.default_rng(3)
     deviations = rng.uniform(0.05, 0.5, (1000, 5))
-    sharper = np.array([0.5, 1.0, 2.0, 4.0, 0.1])
+    sharper = np.array([2.0, 2.0, 2.0, 4.0, 0.1])
     errors = rng.standard_t(4, (1000, 5)) * deviations * sharper
     looks = MeasuredLooks(
         errors, deviations, np.zeros((1000, 5)), np.full(1000, 100),
@@ -20,8 +20,22 @@ def test_ninety_percent_intervals_hold_ninety_percent():
     )  # fmt: skip
     found = Calibration.of(looks)
     held = np.abs(errors) <= HALF_WIDTH * found.factors * deviations
-    np.testing.assert_allclose(held.mean(axis=0), 0.9, atol=0.002)
-    np.testing.assert_allclose(found.factors / sharper, found.factors[1], rtol=0.15)
+    np.testing.assert_allclose(held[:, 3:].mean(axis=0), 0.9, atol=0.002)
+    np.testing.assert_allclose(held[:, :3].mean(), 0.9, atol=0.001)
+    np.testing.assert_allclose(found.factors / sharper, found.factors[3] / 4.0, rtol=0.15)
+
+
+def test_colour_channels_share_their_factor():
+    rng = np.random.default_rng(5)
+    errors = rng.normal(size=(2000, 5)) * [1.0, 1.0, 2.0, 1.0, 1.0]
+    looks = MeasuredLooks(
+        errors, np.ones((2000, 5)), np.zeros((2000, 5)), np.full(2000, 100),
+        ParameterStatistics(np.zeros(5), np.ones(5)),
+    )  # fmt: skip
+    factors = Calibration.of(looks).factors
+    assert (factors[:3] == factors[0]).all()
+    assert 1.2 < factors[0] < 1.7
+    assert abs(factors[3] - 1.0) < 0.1
 
 
 def test_correlated_errors_are_told():
