@@ -54,26 +54,21 @@ def fit_roughness(
     weight = np.zeros((len(colours), 3))
     diffuse, found, matrix = np.ones((voxels, 3)), np.zeros(3), np.zeros((3, 3))
     for turn in range(ROUNDS):
+        gloss = found[0] if turn > 0 else FIRST_GLOSS
         for o in range(len(colours)):
             for c in range(3):
                 error = colours[o, c] - diffuse[voxel_of[o], c] - _reflected(found, answers, o, c)
+                variance = _variance(colours[o, c], gloss * answers[o, c, 0])
                 if clipped[o, c] and (turn == 0 or error <= 0.0):
                     weight[o, c] = 0.0
-                    continue
-                reflected = (found[0] if turn > 0 else FIRST_GLOSS) * answers[o, c, 0]
-                variance = _variance(colours[o, c], reflected)
-                weight[o, c] = trust[o] / (variance + error * error if turn > 0 else variance)
+                else:
+                    doubt = error * error if turn > 0 else 0.0
+                    weight[o, c] = trust[o] / (variance + doubt)
         sums = _sums(colours, answers, weight, voxel_of, voxels)
         matrix, vector = _normal_equations(colours, answers, weight, voxel_of, sums)
         found = nonnegative_minimum(matrix, vector, found)
         found[0] = min(found[0], 1.0)
-        for v in range(voxels):
-            for c in range(3):
-                if sums[v, c, 0] > 0.0:
-                    rest = sums[v, c, 4]
-                    for i in range(3):
-                        rest -= found[i] * sums[v, c, 1 + i]
-                    diffuse[v, c] = max(rest / sums[v, c, 0], 0.0)
+        _rest(sums, found, diffuse)
     total, squares = 1e-9, 0.0
     for o in range(len(colours)):
         for c in range(3):
@@ -83,6 +78,18 @@ def fit_roughness(
                 variance = _variance(colours[o, c], found[0] * answers[o, c, 0])
                 squares += trust[o] * np.log1p(error * error / variance)
     return found[0], _first_deviation(matrix), np.sqrt(squares / total), total / 3.0
+
+
+@compiled
+def _rest(sums: Array, found: Array, diffuse: Array) -> None:
+    """What voxels send beside their reflections, into ``diffuse`` (V, 3) where something counts."""
+    for v in range(len(diffuse)):
+        for c in range(3):
+            if sums[v, c, 0] > 0.0:
+                rest = sums[v, c, 4]
+                for i in range(3):
+                    rest -= found[i] * sums[v, c, 1 + i]
+                diffuse[v, c] = max(rest / sums[v, c, 0], 0.0)
 
 
 @compiled
