@@ -22,11 +22,12 @@ class LightPyramid:
     """The completed light at halving resolutions.
 
     ``levels``: octahedral maps (N, N, 5), (N / 2, N / 2, 5) and so on, float32: linear radiance
-    (3), share that was seen, share that was seen clipped: all channels' mean of
-    :func:`.excess_shape`.
+    (3), share that was seen, share that was seen clipped: all channels' mean of ``excess``, which
+    is (N, N, 3), see :func:`.excess_shape`.
     """
 
     levels: list[NDArray[np.float32]]
+    excess: NDArray[np.float32]
 
 
 def complete(light: ObservedLight) -> LightPyramid:
@@ -44,19 +45,22 @@ def complete(light: ObservedLight) -> LightPyramid:
         trust = np.minimum(level[..., 3:] / TRUSTED_SHARE, 1.0)
         seen = level[..., :3] / np.maximum(level[..., 3:], 1e-9)
         filled = trust * seen + (1.0 - trust) * filled
-    seen_clipped = excess_shape(light).mean(axis=-1, keepdims=True)
-    stacked = np.concatenate([filled, light.coverage[..., None], seen_clipped], axis=-1).astype(
-        np.float32
-    )
-    return levels_below(stacked)
+    excess = excess_shape(light)
+    red, green, blue = np.moveaxis(excess, -1, 0)
+    stacked = np.concatenate(
+        [filled, np.stack([light.coverage, (red + green + blue) / 3.0], axis=-1)], axis=-1
+    ).astype(np.float32)
+    return levels_below(stacked, excess)
 
 
-def levels_below(finest: NDArray[np.float32]) -> LightPyramid:
-    """The pyramid over a map (N, N, 5)."""
+def levels_below(
+    finest: NDArray[np.float32], excess: NDArray[np.float32] | None = None
+) -> LightPyramid:
+    """The pyramid over a map (N, N, 5); without ``excess`` of light that is all known."""
     levels = [finest]
     while len(levels[-1]) % 2 == 0:
         levels.append(halved(levels[-1]))
-    return LightPyramid(levels)
+    return LightPyramid(levels, np.zeros_like(finest[..., :3]) if excess is None else excess)
 
 
 def halved(level: NDArray[np.float32]) -> NDArray[np.float32]:

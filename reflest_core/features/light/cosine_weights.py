@@ -18,8 +18,11 @@ SIZE = 24
 def cosine_weights(normals: NDArray[np.float32]) -> NDArray[np.float32]:
     """(V, SIZE * SIZE) of unit ``normals`` (V, 3): cosines times solid angles; rows sum to 1."""
     directions, angles = _sphere()
-    weights = np.maximum(normals @ directions.T, 0.0) * angles
-    return np.asarray(weights / weights.sum(axis=1, keepdims=True), np.float32)
+    weights = np.asarray(normals @ directions.T, np.float32)
+    np.maximum(weights, 0.0, out=weights)
+    weights *= angles
+    weights /= weights.sum(axis=1, keepdims=True)
+    return weights
 
 
 @cache

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.features.light.clipped_light import excess_shape
 from reflest_core.features.light.completion import LightPyramid, complete, levels_below
 from reflest_core.features.light.cosine_weights import cosine_weights
 from reflest_core.features.light.diffuse_colours import diffuse_colours
@@ -121,7 +120,6 @@ def explain(
     asked = sample.every(ASKED)
     sight_of_asked = sight.of(asked.voxel_of)
     mirrored = reflection(
-        light,
         filled,
         gloss.roughness,
         sample.normals[asked.voxel_of],
@@ -146,10 +144,11 @@ def completed(light: ObservedLight, filled: LightPyramid, found: InferredLight) 
     """The light with what the surface tells of its unseen and clipped parts."""
     fine = filled.levels[0]
     size = len(fine)
-    bright = light.radiance + patch_image(found.excess, size) * excess_shape(light)
+    bright = light.radiance + patch_image(found.excess, size) * filled.excess
     fill = fine[..., :3] * patch_image(found.unseen, size)
     radiance = np.where(light.coverage[..., None] > 0.0, bright, fill)
-    return levels_below(np.concatenate([radiance, fine[..., 3:]], axis=-1).astype(np.float32))
+    finest = np.concatenate([radiance, fine[..., 3:]], axis=-1).astype(np.float32)
+    return levels_below(finest, filled.excess)
 
 
 def _material(

@@ -37,7 +37,8 @@ def incoming(weights: NDArray[np.float32], sight: Sight | None = None) -> Incomi
     if sight is None:
         nothing = np.zeros(len(weights), np.float32)
         return Incoming(weights, nothing, np.zeros((len(weights), 3), np.float32))
-    weights = weights * sight.visible[:, patches_of_texels(SIZE)]
+    # take is ten times as fast as an index
+    weights = weights * np.take(sight.visible, patches_of_texels(SIZE), axis=1)
     hidden = np.maximum(np.float32(1.0) - weights.sum(axis=1), np.float32(0.0))
     return Incoming(weights, hidden, hidden[:, None] * sight.own)
 

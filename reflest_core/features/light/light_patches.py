@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.features.light.clipped_light import excess_shape
 from reflest_core.features.light.completion import LightPyramid, halved
 from reflest_core.features.light.cosine_weights import SIZE
 from reflest_core.features.light.irradiance import Incoming
@@ -38,8 +37,8 @@ class PatchResponse:
         return np.concatenate(
             [
                 self.seen[rows, channel, None],
-                self.unseen[rows, :, channel],
-                self.excess[rows, :, channel],
+                self.unseen[..., channel][rows],
+                self.excess[..., channel][rows],
             ],
             axis=1,
         )
@@ -60,7 +59,7 @@ class LightParts:
     @staticmethod
     def of(light: ObservedLight, filled: LightPyramid) -> LightParts:
         """``filled``: the same light after pull and push."""
-        both = np.concatenate([light.radiance * light.coverage[..., None], excess_shape(light)], -1)
+        both = np.concatenate([light.radiance * light.coverage[..., None], filled.excess], -1)
         while len(both) > SIZE:
             both = halved(both)
         level = next(level for level in filled.levels if len(level) == SIZE)

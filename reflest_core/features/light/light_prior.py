@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,9 +47,7 @@ class LightPrior:
 
     def of_channel(self, channel: int) -> LightPrior:
         """The same of one colour channel, with the :data:`HUE` of what is above."""
-        mean, deviation = self.above
-        hue = HUE[channel]
-        return dataclasses.replace(self, above=(hue * mean, hue * deviation))
+        return _of_hue(self, HUE[channel])
 
     @cached_property
     def mean(self) -> Array:
@@ -69,6 +67,12 @@ class LightPrior:
             self.beside[which],
         )
         return np.concatenate([unseen, np.full(PATCHES, self.excess[which])])
+
+
+@cache
+def _of_hue(prior: LightPrior, hue: float) -> LightPrior:
+    mean, deviation = prior.above
+    return dataclasses.replace(prior, above=(hue * mean, hue * deviation))
 
 
 BRIGHT = LightPrior((6.0, 10.0), (2.5, 5.0), (1.2, 1.5))

@@ -9,7 +9,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.features.light.clipped_light import excess_shape
 from reflest_core.features.light.completion import LightPyramid, halved
 from reflest_core.features.light.light_patches import PatchResponse
 from reflest_core.features.light.mirrored_texels import mirrored_texels, vector
@@ -17,12 +16,10 @@ from reflest_core.features.light.patch_grid import PATCHES, patches_of_texels
 from reflest_core.features.light.visibility import Sight
 from reflest_core.features.light.ward_lobe import HALF_VECTORS, LEVELS
 from reflest_core.features.tangent_frame import tangent_frame
-from reflest_core.fusion.light_map import ObservedLight
 from reflest_core.jit import compiled, kernel_array
 
 
 def reflection(
-    light: ObservedLight,
     filled: LightPyramid,
     roughness: int,
     normals: NDArray[np.float32],
@@ -31,11 +28,11 @@ def reflection(
 ) -> PatchResponse:
     """Lobes of ``ROUGHNESSES[roughness]`` about ``normals``, seen from ``directions``, (O, 3) unit.
 
-    ``filled``: the same light after pull and push. ``sight``: of the O observations; without, the
+    ``filled``: the light after pull and push. ``sight``: of the O observations; without, the
     object hides nothing. What comes from the object itself counts as seen.
     """
     sight = sight or Sight.open(len(normals))
-    level, excess = filled.levels[LEVELS[roughness]], excess_shape(light)
+    level, excess = filled.levels[LEVELS[roughness]], filled.excess
     while len(excess) > len(level):
         excess = halved(excess)
     return PatchResponse(

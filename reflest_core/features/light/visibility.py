@@ -114,12 +114,12 @@ def _hidden_shares(
             y = positions[disc, 1] - of_positions[voxel, 1]
             z = positions[disc, 2] - of_positions[voxel, 2]
             square = x * x + y * y + z * z
-            if square == 0.0:
-                continue
-            distance = math.sqrt(square)
             above = x * of_normals[voxel, 0] + y * of_normals[voxel, 1] + z * of_normals[voxel, 2]
             facing = -(x * normals[disc, 0] + y * normals[disc, 1] + z * normals[disc, 2])
-            if above < FLATTEST * distance or facing <= 0.0:
+            if square == 0.0 or above <= 0.0 or facing <= 0.0:
+                continue
+            distance = math.sqrt(square)
+            if above < FLATTEST * distance:
                 continue
             row, column = octahedral_texel(x, y, z, edge)
             # A disc close by covers no more than half of all directions.

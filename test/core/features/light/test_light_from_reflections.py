@@ -48,9 +48,7 @@ def explained(rho_s):
     response = diffuse_response(
         LightParts.of(light, filled), incoming(cosine_weights(sample.normals))
     )
-    mirrored = reflection(
-        light, filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions
-    )
+    mirrored = reflection(filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions)
     start = np.full(3, 0.3, np.float32)
     (whole,) = infer_light_by_gloss(sample, response, mirrored, told(rho_s), start)
     return sample, light, filled, response, whole
@@ -62,7 +60,7 @@ def test_what_was_seen_and_what_was_not_add_up_to_the_lobe():
     sample = ball(sky(), ALBEDO, 0.3, ROUGHNESS)
     normals = sample.normals[sample.voxel_of]
     for roughness in (0, ROUGHNESS, 7):
-        parts = reflection(seen, light, roughness, normals, sample.directions)
+        parts = reflection(light, roughness, normals, sample.directions)
         lobes = lobe_radiance(light, normals, sample.directions)[:, roughness]
         np.testing.assert_allclose(parts.seen + parts.unseen.sum(axis=1), lobes[:, :3], atol=1e-5)
     assert (parts.unseen.sum(axis=(1, 2)) > 0.0).any()
@@ -74,7 +72,7 @@ def test_clipped_directions_answer_to_an_excess():
     clipped[octahedral_directions(SIZE)[..., 2] > 0.8] = 1.0
     whole = ObservedLight(np.ones_like(clipped), np.ones((SIZE, SIZE), np.float32), clipped)
     up = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]], np.float32)
-    parts = reflection(whole, complete(whole), 0, up, up)
+    parts = reflection(complete(whole), 0, up, up)
     np.testing.assert_allclose(parts.excess[0].sum(axis=0), 1.0, atol=0.02)
     assert parts.excess[1].sum() == 0.0
     assert not parts.unseen.any()
@@ -103,10 +101,10 @@ def test_the_unseen_window_is_found():
 
 
 def test_every_second_observation_says_nearly_as_much():
-    sample, light, filled, response, whole = explained(0.3)
+    sample, _, filled, response, whole = explained(0.3)
     half = sample.every(2)
     np.testing.assert_array_equal(half.spread(half.colours)[half.voxel_of, half.slot], half.colours)
-    mirrored = reflection(light, filled, ROUGHNESS, half.normals[half.voxel_of], half.directions)
+    mirrored = reflection(filled, ROUGHNESS, half.normals[half.voxel_of], half.directions)
     (found,) = infer_light_by_gloss(half, response, mirrored, told(0.3), whole.albedo)
     assert len(half.colours) == (len(sample.colours) + 1) // 2
     np.testing.assert_allclose(found.albedo, whole.albedo, rtol=0.1)
@@ -133,7 +131,7 @@ def test_what_is_clipped_asks_for_no_less_light():
             LightParts.of(light, filled), incoming(cosine_weights(sample.normals))
         )
         of = sample.normals[sample.voxel_of]
-        mirrored = reflection(light, filled, ROUGHNESS, of, sample.directions)
+        mirrored = reflection(filled, ROUGHNESS, of, sample.directions)
         (found,) = infer_light_by_gloss(sample, response, mirrored, told(0.0), np.full(3, 0.3))
         sky = mean_radiance(completed(light, filled, found), normals[-1:])[0, 0]
         above.append(float(found.albedo[0] * sky))
@@ -159,7 +157,7 @@ def test_a_channel_that_is_all_clipped_says_nothing():
     (found,) = infer_light_by_gloss(
         sample,
         diffuse_response(LightParts.of(light, filled), incoming(cosine_weights(sample.normals))),
-        reflection(light, filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions),
+        reflection(filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions),
         told(0.3),
         np.full(3, 0.3, np.float32),
     )
