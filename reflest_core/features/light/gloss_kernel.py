@@ -56,6 +56,8 @@ def fit_roughness(
     for turn in range(ROUNDS):
         gloss = found[0] if turn > 0 else FIRST_GLOSS
         for o in range(len(colours)):
+            if trust[o] == 0.0:
+                continue
             for c in range(3):
                 error = colours[o, c] - diffuse[voxel_of[o], c] - _reflected(found, answers, o, c)
                 variance = _variance(colours[o, c], gloss * answers[o, c, 0])
@@ -135,6 +137,8 @@ def _sums(
     sums = np.zeros((voxels, 3, 5))
     for o in range(len(colours)):
         for c in range(3):
+            if weight[o, c] == 0.0:
+                continue
             place = sums[voxel_of[o], c]
             place[0] += weight[o, c]
             for i in range(3):
