@@ -19,6 +19,7 @@ from test.core.surfaces import sphere_surface
 from test.core.training.light.looks import made_looks
 
 FITS = ["voxel_fit", "scene_fit", "channel_statistics", "statistics"]
+FITS += ["found_albedo", "found_gloss"]
 SHARES = ["lobe_seen", "lobe_clipped", "diffuse_seen", "diffuse_clipped"]
 
 
@@ -94,11 +95,13 @@ def test_without_completion_just_what_comes_with_it_is_hidden(looks):
             [(one.of_channels != before.of_channels).any(axis=0) for one in changed],
         ),
         ("statistics", [one.of_all != before.of_all for one in changed]),
+        ("found_albedo", [(one.albedos != found.albedos).any(axis=0) for one in others]),
+        ("found_gloss", [one.glosses != found.glosses for one in others]),
     ):
         is_hidden = (whole[name] != rest[name]).flatten(0, -2).any(dim=0).numpy()
         np.testing.assert_array_equal(is_hidden, np.any(differs, axis=0))
         assert not rest[name][..., is_hidden].any()
-    for name in whole.keys() - {"channel_statistics", "statistics"}:
+    for name in whole.keys() - {"channel_statistics", "statistics", "found_albedo"}:
         torch.testing.assert_close(rest[name], whole[name])
 
 
