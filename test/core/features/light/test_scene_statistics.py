@@ -44,7 +44,7 @@ def test_sizes_are_as_stated(surface):
 
 
 def test_swapped_colours_swap_the_numbers(surface, monkeypatch):
-    """But for the hue of unseen light, and for another order of the sums in the fit of the gloss."""
+    """But for the hue of unseen light, and what the order of sums does to the fit of the gloss."""
     monkeypatch.setattr(light_prior, "HUE", (1.0, 1.0, 1.0))
     swapped = dataclasses.replace(
         surface,
