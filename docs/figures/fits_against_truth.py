@@ -25,6 +25,8 @@ LEAST = 0.02
 """Albedos below it count as it in logarithms."""
 GLOSSY = 0.2
 """``rho_s`` above which roughness is asked for."""
+OVEREXPOSED = 1 / 3
+"""Share of the observations with a channel at 255."""
 FITS = ("diffuse colours", "observations with their gloss", "the same, unseen light dim")
 
 
@@ -51,7 +53,7 @@ def main() -> None:
     lights = {}
     if arguments.panorama is not None:
         lights = {source.name: source for source in find_environments(arguments.panorama)}
-    truths, found = [], []
+    truths, found, overexposed = [], [], []
     for number, scene in enumerate(
         islice(load_scenes(arguments.data, "train"), 0, None, arguments.every)
     ):
@@ -66,12 +68,17 @@ def main() -> None:
             light = KnownLight.of(room).joined(light).light
         surface = dataclasses.replace(keep_views(scene.surface, views), light=light)
         found.append(explain(surface, light))
+        overexposed.append((surface.colours == 255).any(axis=1).mean())
         truths.append([*scene.truth.rho_d, scene.truth.rho_s, scene.truth.alpha])
     truth = np.array(truths)
     print(f"{len(truth)} scenes\n\n| rho_d by | RMS error | median error of its logarithm | r |")
     print("|---|---|---|---|")
     for number, name in enumerate(FITS):
         print(row(name, np.array([one.inferred[number].albedo for one in found]), truth[:, :3]))
+    is_dark = np.array(overexposed) < OVEREXPOSED
+    by_gloss = np.array([one.inferred[1].albedo for one in found])
+    print(f"\n{FITS[1]}, {is_dark.sum()} scenes of which less than a third is overexposed:")
+    print(row(FITS[1], by_gloss[is_dark], truth[is_dark, :3]))
     glossy = truth[:, 3] > GLOSSY
     gloss, roughness = (np.array(values) for values in zip(*map(_gloss, found), strict=True))
     errors = np.sqrt(((gloss - truth[:, 3]) ** 2).mean())

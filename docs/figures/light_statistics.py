@@ -78,6 +78,13 @@ def main() -> None:
     for (number, channel), parts in sorted(excess.items()):
         values = np.concatenate(parts)
         print(f"| {number} | {CHANNELS[channel]} | {len(values)} | {values.mean():.2f} |")
+    # A pixel counts once, whichever of its channels were clipped.
+    pixels = {
+        number: sum(len(values) for channel in range(3) for values in excess[number, channel])
+        / number
+        for number in (1, 2, 3)
+    }
+    print(f"\nnot clipped in all three: {1 - pixels[3] / sum(pixels.values()):.0%} of the clipped")
     mean = np.mean([np.mean(found, axis=0) for found in hues.values()], axis=0)
     print(f"\nhue of unseen light above, {len(hues)} lights: {np.exp(mean).round(2).tolist()}")
 

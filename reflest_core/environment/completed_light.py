@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.lab import LUMINANCE_WEIGHTS
-from reflest_core.features.light.completion import complete, halved
+from reflest_core.features.light.completion import complete, halved_to
 from reflest_core.features.light.explained_light import explain
 from reflest_core.fusion.light_map import ObservedLight
 from reflest_core.fusion.observed_surface import ObservedSurface
@@ -55,9 +55,7 @@ def _with_clipped(completed: NDArray[np.float32], light: ObservedLight) -> NDArr
 
 def _averaged(values: NDArray[np.float32], is_counted: NDArray[np.bool_]) -> NDArray[np.float32]:
     """(N, N): means of ``values`` (N, N) within about 24 degrees, where ``is_counted``."""
-    pair = np.stack([values * is_counted, is_counted.astype(np.float32)], axis=-1)
-    while len(pair) > COARSE:
-        pair = halved(pair)
+    pair = halved_to(np.stack([values * is_counted, is_counted.astype(np.float32)], -1), COARSE)
     total, weight = (_kernel() @ pair.reshape(-1, 2)).T
     mean = (total / np.maximum(weight, 1e-6)).reshape(FINE, FINE)
     return np.asarray(cv2.resize(mean, values.shape, interpolation=cv2.INTER_LINEAR), np.float32)

@@ -30,8 +30,6 @@ VOXELS = MODELS["lightnet"].voxels
 """Voxels that an estimate rests on."""
 DROPPED = 0.15
 """Share of a scene's numbers that is left out at a time while training."""
-
-
 FOUND_SCALE = (5.0, 3.5, 15.0)
 """To begin with, what turns ``rho_d``, ``rho_s`` and ``alpha`` into standard units."""
 

@@ -43,8 +43,7 @@ def _shapes() -> dict[str, tuple[int, ...]]:
     layers = dict(ONE_LAYER)
     for name, (inputs, width, outputs) in TWO_LAYERS.items():
         layers |= {f"{name}.0": (inputs, width), f"{name}.2": (width, outputs)}
-    shapes: dict[str, tuple[int, ...]] = {}
-    shapes["found_scale"] = (3,)
+    shapes: dict[str, tuple[int, ...]] = {"found_scale": (3,)}
     for name, inputs in STANDARDS.items():
         shapes |= {f"{name}.mean": (inputs,), f"{name}.variance": (inputs,), f"{name}.seen": (1,)}
     for name, (inputs, outputs) in layers.items():

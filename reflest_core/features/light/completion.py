@@ -23,7 +23,7 @@ class LightPyramid:
 
     ``levels``: octahedral maps (N, N, 5), (N / 2, N / 2, 5) and so on, float32: linear radiance
     (3), share that was seen, share that was seen clipped: all channels' mean of ``excess``, which
-    is (N, N, 3), see :func:`.excess_shape`.
+    is (N, N, 3) at the finest resolution, see :func:`.excess_shape`.
     """
 
     levels: list[NDArray[np.float32]]
@@ -69,6 +69,13 @@ def halved(level: NDArray[np.float32]) -> NDArray[np.float32]:
     angles = octahedral_solid_angles(size)[..., None]
     weighted = _sum_of_fours(level * angles)
     return np.asarray(weighted / _sum_of_fours(angles), np.float32)
+
+
+def halved_to(level: NDArray[np.float32], size: int) -> NDArray[np.float32]:
+    """(N, N, C) to (size, size, C); N is ``size`` times a power of two."""
+    while len(level) > size:
+        level = halved(level)
+    return level
 
 
 def _sum_of_fours(image: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from reflest_core.features.light.completion import LightPyramid, complete, levels_below
 from reflest_core.features.light.cosine_weights import cosine_weights
 from reflest_core.features.light.diffuse_colours import diffuse_colours
-from reflest_core.features.light.gloss_fit import GlossFit, fit_gloss
+from reflest_core.features.light.gloss_fit import SURE, GlossFit, fit_gloss
 from reflest_core.features.light.irradiance import (
     DARKEST,
     Incoming,
@@ -39,8 +39,6 @@ SHADED, SAMPLED = 512, 96
 """Voxels whose diffuse colours tell of the light; those whose observations tell of gloss."""
 MOST_ALBEDO = 1.5
 """Beyond what can be, so that a fit that went astray does not lead far."""
-SURE = 0.5
-"""Evidence of an observation if hardly any errs as its neighbours do."""
 ASKED = 2
 """Every second of these observations tells of the light: all say hardly more, and take longer."""
 

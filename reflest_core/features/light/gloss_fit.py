@@ -20,6 +20,8 @@ from reflest_core.features.light.ward_lobe import ROUGHNESSES
 EVIDENCE = 0.15
 """Power of the misfit's inverse that makes a roughness likely, for each observation that counted.
 It would be 3 (channels) for Gaussian errors of unknown size, but neighbours err alike."""
+SURE = 0.5
+"""The same if hardly any errs as its neighbours do."""
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ def incoming(weights: NDArray[np.float32], sight: Sight | None = None) -> Incomi
     if sight is None:
         nothing = np.zeros(len(weights), np.float32)
         return Incoming(weights, nothing, np.zeros((len(weights), 3), np.float32))
-    # take is ten times as fast as an index
+    # np.take copies columns faster than an index does.
     weights = weights * np.take(sight.visible, patches_of_texels(SIZE), axis=1)
     hidden = np.maximum(np.float32(1.0) - weights.sum(axis=1), np.float32(0.0))
     return Incoming(weights, hidden, hidden[:, None] * sight.own)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.features.light.completion import LightPyramid, halved
+from reflest_core.features.light.completion import LightPyramid, halved_to
 from reflest_core.features.light.cosine_weights import SIZE
 from reflest_core.features.light.irradiance import Incoming
 from reflest_core.features.light.patch_grid import texels_of_patches
@@ -59,9 +59,8 @@ class LightParts:
     @staticmethod
     def of(light: ObservedLight, filled: LightPyramid) -> LightParts:
         """``filled``: the same light after pull and push."""
-        both = np.concatenate([light.radiance * light.coverage[..., None], filled.excess], -1)
-        while len(both) > SIZE:
-            both = halved(both)
+        seen = light.radiance * light.coverage[..., None]
+        both = halved_to(np.concatenate([seen, filled.excess], axis=-1), SIZE)
         level = next(level for level in filled.levels if len(level) == SIZE)
         seen, excess, whole = (
             part.reshape(-1, 3) for part in (both[..., :3], both[..., 3:], level[..., :3])

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.features.light.completion import LightPyramid, halved
+from reflest_core.features.light.completion import LightPyramid, halved_to
 from reflest_core.features.light.light_patches import PatchResponse
 from reflest_core.features.light.mirrored_texels import mirrored_texels, vector
 from reflest_core.features.light.patch_grid import PATCHES, patches_of_texels
@@ -32,9 +32,8 @@ def reflection(
     object hides nothing. What comes from the object itself counts as seen.
     """
     sight = sight or Sight.open(len(normals))
-    level, excess = filled.levels[LEVELS[roughness]], filled.excess
-    while len(excess) > len(level):
-        excess = halved(excess)
+    level = filled.levels[LEVELS[roughness]]
+    excess = halved_to(filled.excess, len(level))
     return PatchResponse(
         *_gather(
             level.reshape(-1, 5), excess.reshape(-1, 3), patches_of_texels(len(level)),

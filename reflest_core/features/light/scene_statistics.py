@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.features.light.explained_light import SURE, Explanation
-from reflest_core.features.light.gloss_fit import GlossFit
+from reflest_core.features.light.explained_light import Explanation
+from reflest_core.features.light.gloss_fit import SURE, GlossFit
 from reflest_core.features.light.irradiance import DARKEST, weighted_radiance
 from reflest_core.features.light.light_from_shading import InferredLight
 from reflest_core.features.light.material_fit import MaterialFit

@@ -32,8 +32,9 @@ COMPLETED = {
     "statistics": (slice(0, 2 * _K + 4),),
     "found_albedo": (slice(None),),
 }
-"""Numbers of :mod:`.scene_statistics` that come with the completed light: what the three fits of
-the light found, and the material fitted in it. The rest is shaded anew without it."""
+"""What comes with the completed light: what the three fits of the light found, and the material
+fitted in it, among the numbers of :mod:`.scene_statistics` and by itself. The rest is shaded anew
+without it."""
 SHARES = ("lobe_seen", "lobe_clipped", "diffuse_seen", "diffuse_clipped")
 
 
