@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.environment.known_light import KnownLight
+from reflest_core.environment.room import Room
 from reflest_core.features.light.explained_light import Explanation, explain
 from reflest_core.features.light.ward_lobe import ROUGHNESSES
 from reflest_core.synbrdf.environments import find_environments, load_environment, rotated
@@ -65,7 +65,7 @@ def main() -> None:
             if scene.environment not in lights:
                 continue  # mixed of two: no file holds it
             room = rotated(load_environment(lights[scene.environment]), scene.environment_rotation)
-            light = KnownLight.of(room).joined(light).light
+            light = Room.of("panorama", room).known_light().joined(light).light
         surface = dataclasses.replace(keep_views(scene.surface, views), light=light)
         found.append(explain(surface, light))
         overexposed.append((surface.colours == 255).any(axis=1).mean())

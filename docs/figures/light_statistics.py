@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf import rgbe
-from reflest_core.environment.known_light import KnownLight
+from reflest_core.environment.room import Room
 from reflest_core.features.light.completion import complete
 from reflest_core.features.light.light_prior import LEVEL
 from reflest_core.fusion.octahedral import octahedral_directions, octahedral_solid_angles
@@ -46,7 +46,7 @@ def hue_above(scene: SynbrdfScene, panorama: NDArray[np.float32]) -> NDArray[np.
     light = scene_light(scene, np.arange(len(scene.surface.view_centres)))
     size = len(light.coverage)
     is_chosen = (light.coverage == 0.0) & (octahedral_directions(size)[..., 2] > LEVEL)
-    known = KnownLight.of(panorama).joined(light)
+    known = Room.of("panorama", panorama).known_light().joined(light)
     if known.problem or not is_chosen.any():
         return None
     weight = octahedral_solid_angles(size)[is_chosen][:, None]

@@ -27,8 +27,9 @@ def add_parser(subparsers: Any) -> None:
         help="write the light around the object as .hdr or .exr",
     )  # fmt: skip
     parser.add_argument(
-        "--known-light", metavar="FILE",
-        help="an .hdr panorama of the room, or a scan saved there: for light that no camera saw",
+        "--known-light", metavar="PATH",
+        help="an .hdr panorama of the room, or a scan saved there: for light that no camera saw; "
+        "of a folder of them the room that fits, however it is turned",
     )  # fmt: skip
     parser.add_argument("--model", help=f"one of {', '.join(MODELS)}")
     parser.add_argument("--weights", metavar="FILE", help="weights in place of the shipped ones")

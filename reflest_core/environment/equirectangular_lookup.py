@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 def radiance_from(
     environment: NDArray[np.float32], directions: NDArray[np.float32]
 ) -> NDArray[np.float32]:
-    """Radiance (R, 3) seen along unit ``directions`` (R, 3), bilinear between texel centres.
+    """Radiance (R, C) seen along unit ``directions`` (R, 3), bilinear between texel centres.
 
-    ``environment`` (H, W, 3) in the convention of :mod:`.equirectangular`: z up, the zenith in row
+    ``environment`` (H, W, C) in the convention of :mod:`.equirectangular`: z up, the zenith in row
     0, azimuth ``phi`` at the column ``0.5 - phi / (2 pi)`` of the width.
     """
     height, width = environment.shape[:2]

@@ -160,7 +160,9 @@ def _look_around(study: Study) -> Figures:
     if settings.environments is None:
         raise EvaluationError("part look-around needs the data set's --environments and --meshes")
     sources = SourceScenes(settings.data, settings.environments, settings.meshes)
-    return measure_look_around(known_light(study.contenders), study.scenes, sources.drawn)
+    return measure_look_around(
+        known_light(study.contenders), study.scenes, sources.drawn, sources.training_rooms()
+    )
 
 
 def _time_accuracy(study: Study) -> Figures:

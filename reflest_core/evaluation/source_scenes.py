@@ -7,8 +7,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from reflest_core.environment.known_rooms import KnownRooms
+from reflest_core.environment.room import Room
 from reflest_core.evaluation.contenders import EvaluationError
 from reflest_core.synbrdf.data_folder import read_manifest
+from reflest_core.synbrdf.environments import load_environment
 from reflest_core.synbrdf.generation import Generation
 from reflest_core.synbrdf.metering import Metering
 from reflest_core.synbrdf.scene import Lighting, Scene
@@ -32,6 +35,12 @@ class SourceScenes:
                 "and --meshes are not those that the data set was generated with"
             )
         return drawn
+
+    def training_rooms(self) -> KnownRooms:
+        """A panorama of each environment that training scenes stand in, as it lies in its file."""
+        sources = self.generation.sources(Split.TRAIN).environments
+        rooms = [Room.of(source.name, load_environment(source)) for source in sources]
+        return KnownRooms(rooms, "the environments of training")
 
 
 def generation_of(

@@ -18,7 +18,7 @@ from reflest_core.errors import ReflestError
 from reflest_core.synbrdf.data_folder import begin_manifest, read_manifest
 from reflest_core.synbrdf.environments import EnvironmentSource, load_environment
 from reflest_core.synbrdf.generation import Generation
-from reflest_core.synbrdf.relit_scene import drawn_anew, is_relightable
+from reflest_core.synbrdf.relit_scene import NATURAL_SHARE, drawn_anew, is_relightable
 from reflest_core.synbrdf.scene_file import (
     FORMAT,
     load_shard,
@@ -40,7 +40,8 @@ class Relighting:
     """Each relightable training scene of the data set in ``source``, ``copies`` times.
 
     ``environments``, ``extra_environments``: as the source was generated with. Their unseen share
-    and what is named in ``without`` lights nothing.
+    and what is named in ``without`` lights nothing. ``natural_share``: of the scenes are lit by one
+    environment as it is.
     """
 
     source: Path
@@ -48,6 +49,7 @@ class Relighting:
     environments: Path | None = None
     extra_environments: Path | None = None
     without: tuple[str, ...] = ()
+    natural_share: float = NATURAL_SHARE
 
     def lights(self) -> list[EnvironmentSource]:
         """The environments of training; raises :class:`RelightingRefused` where they are others."""
@@ -74,6 +76,7 @@ class Relighting:
             "lighting": "relit",
             "source": {name: source.get(name) for name in ("lighting", "code", "scenes")},
             "copies": self.copies,
+            "natural_share": self.natural_share,
             "without": sorted(self.without),
             "environments": source["environments"],
             "lights": [light.name for light in lights],
@@ -88,6 +91,8 @@ def relight(out: Path, relighting: Relighting, workers: AbstractContextManager[E
     """
     if relighting.copies < 1:
         raise RelightingRefused(f"--copies is {relighting.copies}, but must be 1 or more")
+    if not 0.0 <= relighting.natural_share <= 1.0:
+        raise RelightingRefused(f"--natural is {relighting.natural_share}, but must be 0 to 1")
     shards = sorted(relighting.source.glob("train-*.safetensors"))
     if not shards:
         raise RelightingRefused(f"{relighting.source} holds no training scenes to relight")
@@ -96,7 +101,7 @@ def relight(out: Path, relighting: Relighting, workers: AbstractContextManager[E
     begin_manifest(out, manifest)
     tasks = [RelitShard(shard, copy) for copy in range(relighting.copies) for shard in shards]
     missing = [task for task in tasks if not (out / task.file_name).exists()]
-    made = partial(relit_agreed, lights, manifest["code"])
+    made = partial(relit_agreed, lights, manifest["code"], relighting.natural_share)
     with (
         tqdm(total=len(tasks), initial=len(tasks) - len(missing), unit="shard") as progress,
         closing(finished(workers, made, missing)) as relit_shards,
@@ -119,7 +124,9 @@ class RelitShard:
         return f"{self.shard.stem}-{self.copy}.safetensors"
 
 
-def relit_agreed(lights: list[EnvironmentSource], code: str, task: RelitShard) -> bytes:
+def relit_agreed(
+    lights: list[EnvironmentSource], code: str, natural_share: float, task: RelitShard
+) -> bytes:
     """Every scene that Eq. 1 holds for; a shard may end with fewer than it began with.
 
     Raises :class:`WorkerError` where this worker's ``code`` is another.
@@ -134,5 +141,5 @@ def relit_agreed(lights: list[EnvironmentSource], code: str, task: RelitShard) -
             continue
         stream = generator(seed, Split(scene.split), scene.index, Purpose.RELIGHT)
         rng = np.random.default_rng([int(stream.integers(2**63)), task.copy])
-        relit.append(drawn_anew(scene, maps, rng))
+        relit.append(drawn_anew(scene, maps, rng, natural_share))
     return shard_bytes(relit)

@@ -40,7 +40,8 @@ from reflest_core.synbrdf.scene_light import background_directions
 EDGE = 192
 """Of the octahedral map that reflections look into: 0.9 degrees a texel."""
 NATURAL_SHARE = 0.5
-"""Of the lights are one environment as it is, turned; the others are as diverse light is drawn."""
+"""Of the lights are one environment as it is, turned, unless asked for otherwise; the others are as
+diverse light is drawn."""
 TINT_STDDEV = 0.12
 """Of the logarithm of each channel of a natural light."""
 MOST_HIDDEN = 0.03
@@ -61,10 +62,13 @@ def is_relightable(scene: SynbrdfScene) -> bool:
 
 
 def drawn_anew(
-    scene: SynbrdfScene, maps: Sequence[NDArray[np.float32]], rng: np.random.Generator
+    scene: SynbrdfScene,
+    maps: Sequence[NDArray[np.float32]],
+    rng: np.random.Generator,
+    natural_share: float = NATURAL_SHARE,
 ) -> SynbrdfScene:
     """``scene`` with another material, and another light made of ``maps`` (H, 2 H, 3)."""
-    if rng.uniform() < NATURAL_SHARE:
+    if rng.uniform() < natural_share:
         light = rotated(maps[int(rng.integers(len(maps)))], float(rng.uniform(0.0, 2.0 * np.pi)))
         light = light * np.exp(rng.normal(0.0, TINT_STDDEV, 3)).astype(np.float32)
     else:

@@ -81,7 +81,7 @@ def test_two_workers_relight_as_the_process_pool_does(cluster, tmp_path):
 
 def test_a_relighting_worker_with_other_code_is_refused(tmp_path):
     with pytest.raises(WorkerError, match="a worker has another code"):
-        relit_agreed([], "other", RelitShard(tmp_path / "train-00000.safetensors", 0))
+        relit_agreed([], "other", 0.5, RelitShard(tmp_path / "train-00000.safetensors", 0))
 
 
 def test_a_worker_with_other_code_is_refused(cluster, tmp_path):

@@ -24,6 +24,10 @@ def add_parser(products: Any) -> None:
         "--without", nargs="*", default=[], metavar="NAME", help="environments to leave out"
     )
     parser.add_argument("--copies", type=int, default=1, help="of each scene")
+    parser.add_argument(
+        "--natural", type=float, default=0.5, metavar="SHARE",
+        help="of the scenes are lit by one environment as it is; the others as diverse light is",
+    )  # fmt: skip
     add_worker_options(parser, "processes")
     parser.set_defaults(run=run)
 
@@ -34,7 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     relighting = Relighting(
         arguments.source, arguments.copies, arguments.environments,
-        arguments.extra_environments, tuple(arguments.without),
+        arguments.extra_environments, tuple(arguments.without), arguments.natural,
     )  # fmt: skip
     relight(arguments.out, relighting, workers_of(arguments))
     return 0

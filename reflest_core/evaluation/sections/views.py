@@ -36,27 +36,32 @@ def look_around(record: Record) -> Lines:
     """What it buys to know more of the light than the scans show."""
     body = []
     for row in record["rows"]:
-        scan, looked, known = row["scan"], row["with"], row["panorama"]
+        scan, looked, known, rooms = (row[key] for key in ("scan", "with", "panorama", "rooms"))
         body.append(
             [
                 row["split"], row["views"], row["pattern"], scan["scenes"], f"{scan['seen']:.0%}",
                 scan["ward"]["overall"], f"{looked['seen']:.0%}", looked["ward"]["overall"],
-                interval(looked["over_environments"]), known["ward"]["overall"],
-                interval(known["over_environments"]),
+                interval(looked["over_environments"]), f"{row['recognised']:.1%}",
+                rooms["ward"]["overall"], interval(rooms["over_environments"]),
+                known["ward"]["overall"], interval(known["over_environments"]),
             ]
         )  # fmt: skip
     header = [
         "split", "views", "their pattern", "scenes", "light seen", "RMSE", "light seen, look",
-        "RMSE, look", "95 %, environments", "RMSE, panorama", "95 %, environments",
+        "RMSE, look", "95 %, environments", "told", "RMSE, rooms", "95 %, environments",
+        "RMSE, panorama", "95 %, environments",
     ]  # fmt: skip
     return [
         "## What a look around the room buys",
         "",
         f"lightnet on all scenes, as scanned; with {record['frames']} further frames that look",
         "away from the object, at the upper half of its surroundings, through the same camera at",
-        "the same exposure (live, such frames are taken for their light); and with a panorama of",
-        "the room in high dynamic range, as a user may give one (`estimation.known_light`). Other",
-        "tables and targets are of the scans alone.",
+        "the same exposure (live, such frames are taken for their light); with a folder of",
+        f"{record['rooms']} rooms, panoramas of the environments that training scenes stand in,",
+        "among which the scan's own has to be *told* by what it sees, and how it is turned",
+        "(validation has these rooms, *unseen* has none of them); and with a panorama of the very",
+        "room in its own axes. A user gives either as `estimation.known_light`. Other tables are",
+        "of the scans alone.",
         "",
         *table(header, body),
         "",

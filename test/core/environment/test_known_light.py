@@ -15,7 +15,8 @@ from reflest_core.environment.equirectangular import (
     equirectangular_solid_angles,
 )
 from reflest_core.environment.equirectangular_lookup import radiance_from
-from reflest_core.environment.known_light import KnownLight, KnownLightError
+from reflest_core.environment.known_light import KnownLightError
+from reflest_core.environment.room import Room
 from reflest_core.fusion.light_map import SIZE, ObservedLight
 from reflest_core.fusion.octahedral import octahedral_directions, octahedral_solid_angles
 from reflest_core.fusion.scan import Scan
@@ -36,6 +37,10 @@ def panorama():
     return room(equirectangular_directions(HEIGHT))
 
 
+def known_room():
+    return Room.of("room", panorama()).known_light()
+
+
 def seen_from_above(gain=(1.0, 1.0, 1.0)):
     """The lower half of the room, through a camera of another exposure and white balance."""
     directions = octahedral_directions(SIZE)
@@ -52,7 +57,7 @@ def away_from_the_lamp():
 
 def test_what_nobody_saw_comes_from_the_panorama_at_the_scans_exposure():
     gain = (0.5, 0.4, 0.7)
-    joined = KnownLight.of(panorama()).joined(seen_from_above(gain))
+    joined = known_room().joined(seen_from_above(gain))
     assert joined.problem == ""
     expected = room(octahedral_directions(SIZE)) * np.float32(gain)
     clear = away_from_the_lamp()
@@ -68,7 +73,7 @@ def test_a_small_lamp_keeps_its_power():
     for row, column in ((10, 20), (31, 77), (32, 5), (50, 100)):
         image = np.zeros((HEIGHT, 2 * HEIGHT, 3), np.float32)
         image[row, column] = 1000.0
-        power = (KnownLight.of(image).radiance[..., 0] * angles).sum()
+        power = (Room.of("lamp", image).known_light().radiance[..., 0] * angles).sum()
         assert power == pytest.approx(1000.0 * pixels[row, 0], rel=0.05)
 
 
@@ -76,7 +81,7 @@ def test_what_the_camera_saw_stays_as_it_saw_it():
     light = seen_from_above()
     is_seen = light.coverage > 0.0
     light.radiance[is_seen] *= np.random.default_rng(0).uniform(0.9, 1.1, (is_seen.sum(), 1))
-    joined = KnownLight.of(panorama()).joined(light)
+    joined = known_room().joined(light)
     np.testing.assert_array_equal(joined.light.radiance[is_seen], light.radiance[is_seen])
 
 
@@ -87,7 +92,7 @@ def test_a_lower_bound_becomes_a_value():
     light.radiance[:] = np.minimum(room(directions), 1.0)
     clipped = (room(directions) > 1.0).astype(np.float32)
     light = dataclasses.replace(light, clipped=clipped)
-    joined = KnownLight.of(panorama()).joined(light).light
+    joined = known_room().joined(light).light
     assert not joined.clipped.any()
     lamp = directions[..., 2] > 0.99
     np.testing.assert_allclose(joined.radiance[lamp], 5.0, rtol=0.05)
@@ -96,7 +101,7 @@ def test_a_lower_bound_becomes_a_value():
 def test_another_room_is_left_out():
     other = np.exp(np.random.default_rng(1).normal(0.0, 2.0, (HEIGHT, 2 * HEIGHT, 3)))
     light = seen_from_above()
-    joined = KnownLight.of(other.astype(np.float32)).joined(light)
+    joined = Room.of("other", other.astype(np.float32)).known_light().joined(light)
     assert "another place" in joined.problem
     assert joined.light is light
 
@@ -104,14 +109,14 @@ def test_another_room_is_left_out():
 def test_too_little_in_common_is_said():
     light = seen_from_above()
     light.coverage[:] = 0.0
-    joined = KnownLight.of(panorama()).joined(light)
+    joined = known_room().joined(light)
     assert "shares 0 directions" in joined.problem
     assert joined.light is light
 
 
 def test_a_panorama_comes_back_from_a_file(tmp_path):
     cv2.imwrite(str(tmp_path / "room.hdr"), panorama()[..., ::-1])
-    known = KnownLight.read(tmp_path / "room.hdr")
+    known = Room.read(tmp_path / "room.hdr").known_light()
     clear = away_from_the_lamp()
     truth = room(octahedral_directions(SIZE))[clear]
     np.testing.assert_allclose(known.radiance[clear], truth, rtol=0.06)
@@ -125,7 +130,7 @@ def test_an_earlier_scan_knows_what_it_saw(tmp_path):
     colours = np.uint8(np.rint(255 * srgb.encode(np.minimum(room(above), 1.0))))
     scan.light.add(above, colours)
     scan.save(tmp_path / "earlier")
-    known = KnownLight.read(tmp_path / "earlier")
+    known = Room.read(tmp_path / "earlier").known_light()
     is_lamp = room(octahedral_directions(SIZE)).max(axis=-1) >= 1.0
     is_seen = (octahedral_directions(SIZE)[..., 2] > 0.0) & ~is_lamp
     np.testing.assert_array_equal(known.is_known, is_seen)
@@ -148,13 +153,13 @@ def test_a_file_that_is_of_no_use_is_refused_by_name(tmp_path, image, reason):
     else:
         cv2.imwrite(str(path), image)
     with pytest.raises(KnownLightError, match=rf"estimation\.known_light = .*room\.hdr .*{reason}"):
-        KnownLight.read(path)
+        Room.read(path)
 
 
 def test_a_file_that_is_no_scan_is_refused_by_name(tmp_path):
     (tmp_path / "notes.txt").write_text("the lamp is on the left")
     with pytest.raises(KnownLightError, match=r"neither an \.hdr file nor a scan: .*notes\.txt"):
-        KnownLight.read(tmp_path / "notes.txt")
+        Room.read(tmp_path / "notes.txt")
 
 
 def test_lookup_and_directions_agree():

@@ -9,6 +9,8 @@ import pytest
 pytest.importorskip("mitsuba")
 
 from reflest_core.cli.main import main
+from reflest_core.environment.known_rooms import KnownRooms
+from reflest_core.environment.room import Room
 from reflest_core.evaluation.accuracy import accuracy
 from reflest_core.evaluation.contenders import Contender
 from reflest_core.evaluation.estimates import estimate_all
@@ -17,6 +19,7 @@ from reflest_core.evaluation.page import write_page
 from reflest_core.evaluation.record_file import Provenance, write_record
 from reflest_core.evaluation.shown_scenes import shown
 from reflest_core.evaluation.source_scenes import SourceScenes
+from reflest_core.synbrdf.environments import rotated
 from reflest_core.synbrdf.generation import Generation
 from reflest_core.synbrdf.sparse_scene import SparseRenderer, SparseSettings
 from reflest_core.synbrdf.splits import Split
@@ -31,19 +34,34 @@ def scenes():
     return [renderer.render(GENERATION.scene(Split.UNSEEN, i), GENERATION.seed) for i in indices]
 
 
+def of_room(sources, scene):
+    """Turned as no scene is."""
+    return Room.of(scene.environment, rotated(sources.drawn(scene).light.radiance, 1.0))
+
+
+def test_rooms_of_training_are_those_of_its_split(tmp_path):
+    (tmp_path / "manifest.json").write_text(json.dumps(GENERATION.manifest()))
+    rooms = SourceScenes(tmp_path, None, None).training_rooms()
+    expected = {source.name for source in GENERATION.sources(Split.TRAIN).environments}
+    assert {room.name for room in rooms.rooms} == expected
+
+
 def test_only_the_light_differs(scenes, runs, tmp_path):
     (tmp_path / "manifest.json").write_text(json.dumps(GENERATION.manifest()))
     sources = SourceScenes(tmp_path, None, None)
     lightnet = Contender(
         "lightnet", "lightnet", "lightnet", runs / "lightnet" / "lightnet.safetensors"
     )
-    found = measure_look_around(lightnet, {"unseen": scenes}, sources.drawn)
+    rooms = KnownRooms([of_room(sources, scene) for scene in scenes], "here")
+    found = measure_look_around(lightnet, {"unseen": scenes}, sources.drawn, rooms)
     patterns = {scene.view_pattern for scene in scenes}
     rows = {(row["views"], row["pattern"]): row for row in found["rows"]}
     assert {pattern for _, pattern in rows} == {"all", *patterns}
     whole = rows[100, "all"]
     assert whole["with"]["seen"] > whole["scan"]["seen"]
     assert whole["panorama"]["seen"] == pytest.approx(1.0)
+    assert whole["recognised"] == 1.0
+    assert whole["rooms"]["seen"] == pytest.approx(1.0)
     estimator = lightnet.estimator()
     samples = [shown(scene) for scene in scenes]
     made = estimate_all(estimator, samples, "scans").ward
@@ -55,7 +73,7 @@ def test_only_the_light_differs(scenes, runs, tmp_path):
     provenance = Provenance("reflest evaluate", "0", "none")
     write_record(tmp_path / "out" / "look-around.json", provenance, found)
     page = write_page(tmp_path / "out").read_text()
-    for way in ("with", "panorama"):
+    for way in ("with", "rooms", "panorama"):
         assert f" {whole[way]['ward']['overall']:.3f} |" in page
 
 
