@@ -30,7 +30,7 @@ def completed_light(surface: ObservedSurface) -> NDArray[np.float32]:
 
     What was seen stays, but that clipped parts take what the object's colours ask for beyond
     white. Elsewhere colours come from the light around (:func:`.complete`), brightness from the
-    object's shading and reflections (:func:`.explain`): the patches, 34 degrees each, are right in
+    object's shading and reflections (:func:`.explain`): the patches, 25 degrees each, are right in
     how much light they send, but not in their edges and hues. ``surface.light`` must be there.
     """
     light = surface.light

@@ -39,8 +39,9 @@ SHADED, SAMPLED = 512, 96
 """Voxels whose diffuse colours tell of the light; those whose observations tell of gloss."""
 MOST_ALBEDO = 1.5
 """Beyond what can be, so that a fit that went astray does not lead far."""
-ASKED = 2
-"""Every second of these observations tells of the light: all say hardly more, and take longer."""
+ASKED, FITTED = 2, 2
+"""Every second observation of the former tells of the light, of the latter of the material in it:
+all say hardly more, and take longer."""
 
 
 @dataclass(frozen=True)
@@ -110,27 +111,29 @@ def explain(
     sample = sampled(surface, choose_voxels(surface, SAMPLED))
     shading = infer_light(response, colours)
     weights = cosine_weights(sample.normals)
-    sight = occluders.sight(surface.positions[sample.voxels], sample.normals, weights)
+    sight_of_sample = occluders.sight(surface.positions[sample.voxels], sample.normals, weights)
     lobes = lobe_radiance(
-        filled, sample.normals[sample.voxel_of], sample.directions, sight.of(sample.voxel_of)
+        filled,
+        sample.normals[sample.voxel_of],
+        sample.directions,
+        sight_of_sample.of(sample.voxel_of),
     )
     gloss = fit_gloss(sample.colours, sample.clipped, lobes, sample.voxel_of)
-    asked = sample.every(ASKED)
-    sight_of_asked = sight.of(asked.voxel_of)
+    asked = sampled(surface, voxels).every(ASKED)
     mirrored = reflection(
         filled,
         gloss.roughness,
-        sample.normals[asked.voxel_of],
+        asked.normals[asked.voxel_of],
         asked.directions,
-        sight_of_asked,
+        sight.of(asked.voxel_of),
     )
-    of_sample = incoming(weights, sight)
-    response = diffuse_response(parts, of_sample)
     bright, dim = infer_light_by_gloss(
         asked, response, mirrored, gloss, shading.albedo, (BRIGHT, DIM)
     )
     final = completed(light, filled, bright)
-    material, lobes = _material(asked, of_sample, sight_of_asked, final)
+    material, lobes = _material(
+        sample.every(FITTED), incoming(weights, sight_of_sample), sight_of_sample, final
+    )
     detail = reflected_detail(surface, voxels)
     return Explanation(
         filled, final, arriving, occluders, colours, sample, lobes, (shading, bright, dim), gloss,
@@ -153,7 +156,9 @@ def _material(
     sample: SurfaceSample, arriving: Incoming, sight: Sight, light: LightPyramid
 ) -> tuple[MaterialFit, NDArray[np.float32]]:
     diffuse = np.maximum(weighted_radiance(light, arriving)[:, :3], DARKEST)
-    lobes = lobe_radiance(light, sample.normals[sample.voxel_of], sample.directions, sight)
+    lobes = lobe_radiance(
+        light, sample.normals[sample.voxel_of], sample.directions, sight.of(sample.voxel_of)
+    )
     of_observation = diffuse[sample.voxel_of]
     brightness = np.minimum(of_observation / np.maximum(diffuse.mean(axis=0), DARKEST), 1.0)
     fit = fit_material(

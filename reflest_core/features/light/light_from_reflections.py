@@ -32,12 +32,13 @@ from reflest_core.features.light.light_prior import (
 )
 from reflest_core.features.light.surface_sample import SurfaceSample
 
-TURNS = 6
-RELATIVE, LEAST = 0.07, 0.003
+TURNS, FURTHER_TURNS = 6, 2
+"""Under the first prior, and under each other, which begin where the first one ended."""
+RELATIVE, LEAST = 0.05, 0.003
 """Standard deviation of a radiance: share of itself, and in units of the sensor's white."""
 COARSE = 0.1
 """The same of what is known of a reflection, as a share of it."""
-HIDDEN = 0.5
+HIDDEN = 0.25
 """The same of what unknown light adds to a reflection: a patch is not even, and lobes are small."""
 LEAST_ALBEDO, MOST_GLOSS = 0.03, 10.0
 """Least ``rho_d`` and greatest ``rho_s / rho_d`` with which reflections are weighed."""
@@ -59,16 +60,12 @@ def infer_light_by_gloss(
     ``gloss`` expects. ``albedo``: (3,) to begin with.
     """
     rho_s = float(gloss.weight @ gloss.gloss)
-    systems = [_System.of(sample, response, reflection, rho_s, channel) for channel in range(3)]
-    return [
-        InferredLight.of(
-            [
-                system.explained(prior.of_channel(channel), float(albedo[channel]))
-                for channel, system in enumerate(systems)
-            ]
-        )
-        for prior in priors
-    ]
+    channels = []
+    for channel in range(3):
+        system = _System.of(sample, response, reflection, rho_s, channel)
+        of_channel = [prior.of_channel(channel) for prior in priors]
+        channels.append(system.explained(of_channel, float(albedo[channel])))
+    return [InferredLight.of(list(of_prior)) for of_prior in zip(*channels, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -114,18 +111,28 @@ class _System:
             mirrored[:, matters],
         )
 
-    def explained(self, prior: LightPrior, albedo: float) -> ChannelLight:
-        """The light and the albedo, beginning with this one."""
+    def explained(self, priors: Sequence[LightPrior], albedo: float) -> list[ChannelLight]:
+        """The light and the albedo under each prior, beginning with this one."""
         if np.count_nonzero(~self.is_bound) < FEWEST:
-            return prior.mean.copy(), albedo, 1.0, 0.0
-        unknowns = Unknowns(self.matters, prior)
-        found, factors = unknowns.expected(albedo), unknowns.expected(1.0)
-        for turn in range(TURNS):
+            return [(prior.mean.copy(), albedo, 1.0, 0.0) for prior in priors]
+        found, is_first, lights = Unknowns(self.matters, priors[0]).expected(albedo), True, []
+        for prior in priors:
+            light, found = self._explained(Unknowns(self.matters, prior), found, is_first)
+            lights.append(light)
+            is_first = False
+        return lights
+
+    def _explained(
+        self, unknowns: Unknowns, start: NDArray[np.float64], is_first: bool
+    ) -> tuple[ChannelLight, NDArray[np.float64]]:
+        """The light, and the unknowns as they were found, to go on from."""
+        found, factors = start, start / max(float(start[0]), 1e-3)
+        for turn in range(TURNS if is_first else FURTHER_TURNS):
             share = min(self.rho_s / max(float(found[0]), LEAST_ALBEDO), MOST_GLOSS)
             columns = self.diffuse + np.float32(share) * self.mirrored
             unsure = np.float32(HIDDEN * self.rho_s) * (self.mirrored @ factors.astype(np.float32))
             variance = self.noise**2 + unsure**2
-            if turn == 0:
+            if is_first and turn == 0:
                 weight = np.where(self.is_bound, np.float32(0.0), 1.0 / variance)
             else:
                 error = self._error(columns, found)
@@ -136,7 +143,8 @@ class _System:
         error = (self._error(columns, found) / self.noise)[~self.is_bound]
         misfit = RELATIVE * float(np.sqrt(np.log1p(error**2).mean()))
         deviation = log_albedo_deviation(found, matrix)
-        return unknowns.factors(found), max(float(found[0]), 1e-3), deviation, misfit
+        light = (unknowns.factors(found), max(float(found[0]), 1e-3), deviation, misfit)
+        return light, found
 
     def _error(
         self, columns: NDArray[np.float32], found: NDArray[np.float64]

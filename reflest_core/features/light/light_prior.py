@@ -77,7 +77,7 @@ def _of_hue(prior: LightPrior, hue: float) -> LightPrior:
 
 BRIGHT = LightPrior((6.0, 10.0), (2.5, 5.0), (1.2, 1.5))
 """What an orbit does not see is above, and usually bright: a sky, a lamp, a window."""
-DIM = LightPrior((2.0, 3.0), (1.5, 2.0), (1.0, 1.0))
+DIM = LightPrior((2.0, 4.0), (1.5, 2.7), (1.0, 1.3), (4.0, 21.0))
 """As if it were not: how much the albedo then differs says what it hangs on."""
 
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Directions in 36 patches: as finely as a surface can tell of light, or hide it."""
+"""Directions in 64 patches: as finely as a surface can tell of light, or hide it."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from reflest_core.fusion.octahedral import octahedral_directions
 
-EDGE = 6
-"""Patches along an edge of the octahedral map: 34 degrees each, in the mean."""
+EDGE = 8
+"""Patches along an edge of the octahedral map: 25 degrees each, in the mean."""
 PATCHES = EDGE * EDGE
 
 

@@ -23,6 +23,8 @@ from test.core.features.light.glossy_ball import ball, known, seen_below
 
 ALBEDO = np.array([0.12, 0.08, 0.05])
 ROUGHNESS = 4
+OF_A_SIDE = 60
+"""Voxels, each seen once."""
 
 
 def sky():
@@ -119,10 +121,12 @@ def test_what_is_clipped_asks_for_no_less_light():
     ground = np.full((SIZE, SIZE, 3), 0.1, np.float32)
     light = seen_below(ground, 0.0)
     filled = complete(light)
-    normals = np.repeat(np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]], np.float32), 20, axis=0)
+    sides = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]], np.float32)
+    normals = np.repeat(sides, OF_A_SIDE, axis=0)
+    voxels = np.arange(2 * OF_A_SIDE)
     is_upper = np.repeat(normals[:, 2:] > 0.0, 3, axis=1)
     whole = SurfaceSample(
-        np.arange(40), normals, np.arange(40), np.zeros(40, np.int64), normals,
+        voxels, normals, voxels, np.zeros_like(voxels), normals,
         np.where(is_upper, np.float32(1.0), np.float32(0.05)), is_upper,
     )  # fmt: skip
     above = []
@@ -143,9 +147,9 @@ def test_what_is_clipped_asks_for_no_less_light():
 def first_half(sample):
     """Only the lower side."""
     return dataclasses.replace(
-        sample, voxel_of=sample.voxel_of[:20], slot=sample.slot[:20],
-        directions=sample.directions[:20], colours=sample.colours[:20],
-        clipped=sample.clipped[:20],
+        sample, voxel_of=sample.voxel_of[:OF_A_SIDE], slot=sample.slot[:OF_A_SIDE],
+        directions=sample.directions[:OF_A_SIDE], colours=sample.colours[:OF_A_SIDE],
+        clipped=sample.clipped[:OF_A_SIDE],
     )  # fmt: skip
 
 

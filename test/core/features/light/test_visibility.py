@@ -12,7 +12,12 @@ from reflest_core.features.light.cosine_weights import cosine_weights
 from reflest_core.features.light.explained_light import explain
 from reflest_core.features.light.irradiance import incoming, mean_radiance
 from reflest_core.features.light.light_patches import LightParts, diffuse_response
-from reflest_core.features.light.patch_grid import PATCHES, patches_of_texels, texels_of_patches
+from reflest_core.features.light.patch_grid import (
+    EDGE,
+    PATCHES,
+    patches_of_texels,
+    texels_of_patches,
+)
 from reflest_core.features.light.reflected_patches import reflection
 from reflest_core.features.light.visibility import NEIGHBOURS, Occluders, Sight
 from reflest_core.features.light.ward_lobe import lobe_radiance
@@ -143,10 +148,10 @@ def test_patches_and_texels_are_each_others_inverse():
     for size in (24, 48, 96):
         np.testing.assert_array_equal(
             patches_of_texels(size)[texels_of_patches(size)],
-            np.repeat(np.arange(PATCHES)[:, None], (size // 6) ** 2, axis=1),
+            np.repeat(np.arange(PATCHES)[:, None], (size // EDGE) ** 2, axis=1),
         )
         # A patch is a square of the map, so its directions lie together.
-        middle = octahedral_directions(6).reshape(-1, 3)[patches_of_texels(size)]
+        middle = octahedral_directions(EDGE).reshape(-1, 3)[patches_of_texels(size)]
         cosines = (middle * octahedral_directions(size).reshape(-1, 3)).sum(axis=1)
         assert cosines.min() > math.cos(math.radians(40.0))
 
