@@ -17,7 +17,7 @@ from reflest_core.synbrdf.generate import generate
 from reflest_core.synbrdf.generation import Generation
 from reflest_core.synbrdf.process_pool import process_pool
 from reflest_core.synbrdf.relighting import Relighting, RelightingRefused, relight
-from reflest_core.synbrdf.relit_scene import is_relightable, relit
+from reflest_core.synbrdf.relit_scene import drawn_anew, is_relightable, relit
 from reflest_core.synbrdf.scene_file import MANIFEST, SceneFileError, load_scenes, sha256
 from reflest_core.synbrdf.scene_light import backgrounds
 from reflest_core.synbrdf.splits import Split
@@ -98,6 +98,18 @@ def test_the_background_is_the_light_where_it_is(convex):
     assert shown > 0
 
 
+def test_natural_light_is_one_environment_as_it_is(convex):
+    """An even one stays even, but for its tint; diverse light has lamps, skies or others in it."""
+    even = [np.ones((16, 32, 3), np.float32)]
+
+    def is_even(share, seed):
+        drawn = drawn_anew(convex[0], even, np.random.default_rng(seed), share)
+        return all((colours == colours[0]).all() for _, colours in backgrounds(drawn, np.arange(3)))
+
+    assert all(is_even(1.0, seed) for seed in range(5))
+    assert not all(is_even(0.0, seed) for seed in range(5))
+
+
 def relit_set(data, out, copies=2):
     relight(out, Relighting(data, copies), process_pool(1))
     return {path.name: sha256(path) for path in sorted(out.glob("*.safetensors"))}
@@ -137,7 +149,11 @@ def test_what_was_begun_otherwise_is_refused(data, tmp_path):
 
 @pytest.mark.parametrize(
     ("arguments", "reason"),
-    [(["--copies", "0"], "--copies is 0"), ([], "no training scenes")],
+    [
+        (["--copies", "0"], "--copies is 0"),
+        (["--natural", "1.5"], "--natural is 1.5"),
+        ([], "no training scenes"),
+    ],
 )
 def test_the_command_names_what_is_wrong(data, tmp_path, capsys, arguments, reason):
     source = data if arguments else tmp_path
