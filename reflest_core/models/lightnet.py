@@ -28,7 +28,7 @@ from reflest_core.models.standard import Standard
 
 VOXELS = MODELS["lightnet"].voxels
 """Voxels that an estimate rests on."""
-DROPPED = 0.45
+DROPPED = 0.3
 """Share of a scene's numbers that is left out at a time while training."""
 FOUND_SCALE = (5.0, 3.5, 15.0)
 """To begin with, what turns ``rho_d``, ``rho_s`` and ``alpha`` into standard units."""
