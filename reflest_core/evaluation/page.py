@@ -66,15 +66,25 @@ def write_page(folder: Path) -> Path:
         raise EvaluationError(f"{folder} holds no records; run 'reflest evaluate DATA' first")
     lines = list(INTRODUCTION)
     for name, record in measured.items():
-        section = SECTIONS[name](record)
-        if name == "table-2":
-            section += _draw_table_2(folder, record) + tables.breakdown(record)
-        if name in PLOTS:
-            PLOTS[name](folder / f"{name}.png", record)
-        lines += section
+        try:
+            lines += _section(folder, name, record)
+        except (KeyError, TypeError) as error:
+            raise EvaluationError(
+                f"{folder / name}.json lacks what the page shows ({error}): another version of "
+                f"reflest wrote it; measure it again with --parts {_part(name)}"
+            ) from error
     path = folder / "index.md"
     path.write_text("\n".join(lines + _commands(measured)) + "\n")
     return path
+
+
+def _section(folder: Path, name: str, record: Record) -> Lines:
+    section: Lines = SECTIONS[name](record)
+    if name == "table-2":
+        section += _draw_table_2(folder, record) + tables.breakdown(record)
+    if name in PLOTS:
+        PLOTS[name](folder / f"{name}.png", record)
+    return section
 
 
 def _draw_table_2(folder: Path, record: Record) -> Lines:

@@ -12,7 +12,7 @@ from reflest_core.cli.main import main
 from reflest_core.environment.known_rooms import KnownRooms
 from reflest_core.environment.room import Room
 from reflest_core.evaluation.accuracy import accuracy
-from reflest_core.evaluation.contenders import Contender
+from reflest_core.evaluation.contenders import Contender, EvaluationError
 from reflest_core.evaluation.estimates import estimate_all
 from reflest_core.evaluation.look_around_study import measure_look_around
 from reflest_core.evaluation.page import write_page
@@ -75,6 +75,14 @@ def test_only_the_light_differs(scenes, runs, tmp_path):
     page = write_page(tmp_path / "out").read_text()
     for way in ("with", "rooms", "panorama"):
         assert f" {whole[way]['ward']['overall']:.3f} |" in page
+
+
+def test_a_record_of_an_earlier_version_is_named(tmp_path):
+    row = {"split": "unseen", "views": 100, "pattern": "all", "scan": {}, "with": {}}
+    provenance = Provenance("reflest evaluate", "0", "none")
+    write_record(tmp_path / "look-around.json", provenance, {"frames": 15, "rows": [row]})
+    with pytest.raises(EvaluationError, match=r"look-around\.json lacks .*--parts look-around"):
+        write_page(tmp_path)
 
 
 def test_it_needs_the_environments(data, runs, tmp_path, capsys):
