@@ -29,12 +29,14 @@ class Calibration:
     def of(measured: MeasuredLooks) -> Calibration:
         """Such that 90 % intervals hold 90 % of the measured truths, of each kind of parameter.
 
-        The channels of ``rho_d`` pass the same weights and so share their factor: which of them
-        erred more is what the few lights that were held out had, not the network.
+        So under the mean environment, for scenes of one err alike, and a scan stands in a new one:
+        each counts as much as any other. The channels of ``rho_d`` pass the same weights and so
+        share their factor: which of them erred more is what the few lights that were held out had,
+        not the network.
         """
         scores = (measured.estimates - measured.truths) / measured.deviations
-        factors = np.quantile(np.abs(scores), HELD_SHARE, axis=0) / HALF_WIDTH
-        factors[:3] = np.quantile(np.abs(scores[:, :3]), HELD_SHARE) / HALF_WIDTH
+        lights = [scores[measured.environments == one] for one in np.unique(measured.environments)]
+        factors = np.mean([_factors(of_light) for of_light in lights], axis=0)
         limited = np.clip(scores / factors, -FARTHEST, FARTHEST)
         moments = limited.T @ limited
         deviations = np.sqrt(np.diag(moments))
@@ -50,3 +52,10 @@ class Calibration:
                 "lightnet with --hold-out"
             )
         return Calibration(card.stddev_factors, card.error_correlation)
+
+
+def _factors(scores: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(5,) by the ``scores`` (L, 5) of one light: errors in stated deviations."""
+    factors = np.quantile(np.abs(scores), HELD_SHARE, axis=0) / HALF_WIDTH
+    factors[:3] = np.quantile(np.abs(scores[:, :3]), HELD_SHARE) / HALF_WIDTH
+    return np.asarray(factors)

@@ -30,13 +30,15 @@ Array = NDArray[np.float64]
 class MeasuredLooks:
     """Ward parameters (L, 5) as ``estimates``, with ``deviations``, and as ``truths``.
 
-    ``views``: (L,), how many each look has. ``statistics``: the training set's.
+    ``views``: (L,), how many each look has. ``environments``: (L,) names of their lights.
+    ``statistics``: the training set's.
     """
 
     estimates: Array
     deviations: Array
     truths: Array
     views: NDArray[np.int64]
+    environments: NDArray[np.str_]
     statistics: ParameterStatistics
 
     @staticmethod
@@ -62,6 +64,7 @@ class MeasuredLooks:
             np.exp(0.5 * logs) * statistics.stddev,
             looks.ward.astype(np.float64),
             looks.views,
+            looks.environment,
             statistics,
         )
 
@@ -70,7 +73,7 @@ class MeasuredLooks:
         some = self.views == views
         return MeasuredLooks(
             self.estimates[some], self.deviations[some], self.truths[some], self.views[some],
-            self.statistics,
+            self.environments[some], self.statistics,
         )  # fmt: skip
 
     @property
