@@ -92,8 +92,11 @@ def test_the_light_is_turned_upright_with_the_surface(weights):
     directions = np.random.default_rng(0).normal(size=(200_000, 3)).astype(np.float32)
     below = directions[directions[:, 2] < 0.0]
     standing, light = LightMap(), LightMap()
-    standing.add(below, np.full((len(below), 3), 120, np.uint8))
-    light.add(below @ swap.T, np.full((len(below), 3), 120, np.uint8))
+    # Dark at the horizon, where the two maps have other edges.
+    downwards = -below[:, 2:] / np.linalg.norm(below, axis=1, keepdims=True)
+    colours = np.repeat(np.uint8(240.0 * downwards), 3, axis=1)
+    standing.add(below, colours)
+    light.add(below @ swap.T, colours)
     surface = dataclasses.replace(SURFACE, light=standing.observed())
     lying = dataclasses.replace(
         surface,
