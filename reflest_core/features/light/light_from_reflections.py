@@ -98,6 +98,7 @@ class _System:
         mirrored = reflection.columns(slice(None), channel)
         mirrored[:, 0] = 0.0  # what reflects seen light is known, and taken from the target
         matters = which_matter(diffuse + mirrored)
+        told = np.flatnonzero(matters)
         return _System(
             rho_s,
             matters,
@@ -107,8 +108,8 @@ class _System:
                 np.float32(COARSE * rho_s) * reflection.seen[:, channel],
             ),
             sample.clipped[:, channel],
-            diffuse[:, matters],
-            mirrored[:, matters],
+            np.take(diffuse, told, axis=1),
+            np.take(mirrored, told, axis=1),
         )
 
     def explained(self, priors: Sequence[LightPrior], albedo: float) -> list[ChannelLight]:

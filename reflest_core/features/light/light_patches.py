@@ -34,14 +34,16 @@ class PatchResponse:
 
     def columns(self, rows: NDArray[Any] | slice, channel: int) -> NDArray[np.float32]:
         """The chosen answers, (S, 1 + 2 P), to what was seen and to every patch."""
-        return np.concatenate(
+        # Of one channel first: rows that lie together are copied many times faster.
+        of_channel = np.concatenate(
             [
-                self.seen[rows, channel, None],
-                self.unseen[..., channel][rows],
-                self.excess[..., channel][rows],
+                self.seen[:, channel, None],
+                self.unseen[..., channel],
+                self.excess[..., channel],
             ],
             axis=1,
         )
+        return np.asarray(of_channel[rows])
 
 
 @dataclass(frozen=True)
