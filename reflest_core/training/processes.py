@@ -62,6 +62,8 @@ def joined_processes(device: str) -> Iterator[Processes]:
     distributed.init_process_group("gloo" if own.type == "cpu" else "nccl")
     try:
         yield Processes(distributed.get_rank(), distributed.get_world_size(), own)
+        # The first one writes while others are done: who leaves early closes what it still uses.
+        distributed.barrier()
     finally:
         distributed.destroy_process_group()
 
