@@ -63,25 +63,10 @@ class _Likeness:
 
 @dataclass(frozen=True)
 class KnownRooms:
-    """What ``estimation.known_light`` names: one room in the world's axes, or several in any."""
+    """Rooms in any turn about the vertical; ``place``: where they are kept, for messages."""
 
     rooms: Sequence[Room]
     place: str
-
-    @staticmethod
-    def read(path: Path) -> KnownRooms | KnownLight:
-        """Of a folder all ``.hdr`` files and saved scans; of a file its light, as it stands.
-
-        Raises :class:`KnownLightError`.
-        """
-        if not path.is_dir():
-            return Room.read(path).known_light()
-        files = sorted(file for file in path.iterdir() if not file.name.startswith("."))
-        if not files:
-            raise KnownLightError(
-                f"{NAME} = {path} is empty: put .hdr panoramas or saved scans there"
-            )
-        return KnownRooms([Room.read(file) for file in files], str(path))
 
     def joined(self, light: ObservedLight) -> JoinedLight:
         """``light`` with that of the room that it is seen in, where it saw nothing or a bound."""
@@ -92,8 +77,8 @@ class KnownRooms:
         room = int(errors.argmin())
         turn = int(likeness.error[room].argmin())
         next_likely = np.delete(errors, room).min(initial=np.inf)
-        correlation = likeness.correlation[room, turn]
-        if correlation < LEAST_LIKE or errors[room] > CLEAREST**2 * next_likely:
+        is_like = np.isfinite(errors[room]) and likeness.correlation[room, turn] >= LEAST_LIKE
+        if not is_like or errors[room] > CLEAREST**2 * next_likely:
             return JoinedLight(
                 light,
                 f"none of the {len(self.rooms)} rooms in {NAME} = {self.place} looks like what the "
@@ -130,6 +115,19 @@ class KnownRooms:
         known, shown = (np.stack(parts) for parts in zip(*grids, strict=True))
         powers = (known, known * shown, known * shown**2)
         return [np.fft.rfft(power, axis=2).conj() for power in powers]
+
+
+def read_known_light(path: Path) -> KnownRooms | KnownLight:
+    """Of a folder all ``.hdr`` files and saved scans; of a file its light, in the world's axes.
+
+    Raises :class:`KnownLightError`.
+    """
+    if not path.is_dir():
+        return Room.read(path).known_light()
+    files = sorted(file for file in path.iterdir() if not file.name.startswith("."))
+    if not files:
+        raise KnownLightError(f"{NAME} = {path} is empty: put .hdr panoramas or saved scans there")
+    return KnownRooms([Room.read(file) for file in files], str(path))
 
 
 @lru_cache(maxsize=8)

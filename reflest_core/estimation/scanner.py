@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
-from reflest_core.environment.known_rooms import KnownRooms
+from reflest_core.environment.known_rooms import read_known_light
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import ReflestSettings
@@ -65,7 +65,7 @@ class Scanner:
         self.settings = settings
         self.estimator = Estimator(settings.estimation)
         path = settings.estimation.known_light
-        self._known_light = KnownRooms.read(Path(path)) if path else None
+        self._known_light = read_known_light(Path(path)) if path else None
         self.scan = Scan(settings.fusion, settings.region)
         self.keyframes = KeyframePolicy(settings.keyframe)
         self._last_pose: NDArray[np.float64] | None = None

@@ -10,7 +10,7 @@ import pytest
 
 from reflest_core.environment.equirectangular import equirectangular_directions
 from reflest_core.environment.known_light import KnownLight, KnownLightError
-from reflest_core.environment.known_rooms import KnownRooms
+from reflest_core.environment.known_rooms import KnownRooms, read_known_light
 from reflest_core.environment.room import Room, turned
 from reflest_core.fusion.light_map import SIZE, ObservedLight
 from reflest_core.fusion.octahedral import octahedral_directions
@@ -104,6 +104,16 @@ def test_only_what_is_known_of_a_room_is_taken():
     np.testing.assert_allclose(joined.light.radiance.reshape(-1, 3)[taken], truth[taken], rtol=0.15)
 
 
+def test_a_room_of_which_nothing_in_sight_is_known_is_not_told():
+    whole = room(1)
+    is_known = equirectangular_directions(HEIGHT)[..., 2] > 0.3
+    above = dataclasses.replace(whole, is_known=is_known)
+    light = seen(1, 0.7)
+    joined = KnownRooms([above], "rooms").joined(light)
+    assert joined.light is light
+    assert "none of the 1 rooms" in joined.problem
+
+
 def test_a_folder_holds_panoramas_and_scans(tmp_path):
     cv2.imwrite(str(tmp_path / "kitchen.hdr"), room(0).radiance[..., ::-1])
     scan = Scan(FusionSettings(), RegionSettings())
@@ -111,7 +121,7 @@ def test_a_folder_holds_panoramas_and_scans(tmp_path):
         octahedral_directions(SIZE).reshape(-1, 3), np.full((SIZE * SIZE, 3), 90, np.uint8)
     )
     scan.save(tmp_path / "hall")
-    found = KnownRooms.read(tmp_path)
+    found = read_known_light(tmp_path)
     assert isinstance(found, KnownRooms)
     assert [one.name for one in found.rooms] == ["hall", "kitchen"]
     assert found.rooms[0].is_known.all()
@@ -119,7 +129,7 @@ def test_a_folder_holds_panoramas_and_scans(tmp_path):
 
 def test_a_file_is_one_room_in_the_worlds_axes(tmp_path):
     cv2.imwrite(str(tmp_path / "kitchen.hdr"), room(0).radiance[..., ::-1])
-    assert isinstance(KnownRooms.read(tmp_path / "kitchen.hdr"), KnownLight)
+    assert isinstance(read_known_light(tmp_path / "kitchen.hdr"), KnownLight)
 
 
 @pytest.mark.parametrize(("content", "reason"), [(None, "is empty"), ("a note", "notes")])
@@ -127,4 +137,4 @@ def test_a_folder_of_no_use_is_refused_by_name(tmp_path, content, reason):
     if content:
         (tmp_path / "notes").write_text(content)
     with pytest.raises(KnownLightError, match=rf"estimation\.known_light.*{reason}"):
-        KnownRooms.read(tmp_path)
+        read_known_light(tmp_path)
