@@ -49,7 +49,8 @@ class Explanation:
     """What was found, and what it was found from.
 
     ``filled``, ``light``: the light after pull and push alone, and as the surface completes it.
-    ``incoming``: of D voxels, ``colours``: (D, 3) of theirs, linear, without highlights.
+    ``incoming``: of D voxels, with ``normals`` (D, 3) and ``colours`` (D, 3), linear, without
+    highlights.
     ``occluders``: what the object hides of the light.
     ``sample``: the observations that gloss was told from. ``lobes``: (Q, K, 5), the whole light in
     the lobes of those that the material was fitted to. ``inferred``: the light by the diffuse
@@ -61,6 +62,7 @@ class Explanation:
     light: LightPyramid
     incoming: Incoming
     occluders: Occluders
+    normals: NDArray[np.float32]
     colours: NDArray[np.float32]
     sample: SurfaceSample
     lobes: NDArray[np.float32]
@@ -136,8 +138,8 @@ def explain(
     )
     detail = reflected_detail(surface, voxels)
     return Explanation(
-        filled, final, arriving, occluders, colours, sample, lobes, (shading, bright, dim), gloss,
-        material, detail,
+        filled, final, arriving, occluders, surface.normals[voxels], colours, sample, lobes,
+        (shading, bright, dim), gloss, material, detail,
     )  # fmt: skip
 
 

@@ -14,12 +14,13 @@ from reflest_core.features.light.gloss_fit import SURE, GlossFit
 from reflest_core.features.light.irradiance import DARKEST, weighted_radiance
 from reflest_core.features.light.light_from_shading import InferredLight
 from reflest_core.features.light.material_fit import MaterialFit
+from reflest_core.features.light.normal_bands import BANDS, NormalBands
 from reflest_core.features.light.reflected_detail import DETAIL_STATISTICS
 from reflest_core.features.light.ward_lobe import ROUGHNESSES
 from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.octahedral import octahedral_solid_angles
 
-CHANNEL_STATISTICS, STATISTICS = 42, 79 + DETAIL_STATISTICS
+CHANNEL_STATISTICS, STATISTICS = 42 + 3 * BANDS, 79 + 2 * BANDS + DETAIL_STATISTICS
 """How many numbers there are of a colour channel, and of all channels."""
 LEAST = 0.01
 """Added before a logarithm of a ratio or an albedo."""
@@ -42,10 +43,15 @@ class SceneStatistics:
 
 def scene_statistics(surface: ObservedSurface, found: Explanation) -> SceneStatistics:
     """Gather what the explanation of ``surface`` says; no number depends on where +x points."""
+    filled, whole = (
+        weighted_radiance(light, found.incoming) for light in (found.filled, found.light)
+    )
+    bands = NormalBands.of(found.normals, found.colours, filled, whole)
     of_channels = np.concatenate(
         [
             *[_of_light(light) for light in found.inferred],
-            _of_shading(found),
+            _of_shading(found.colours, filled, whole),
+            bands.of_channels,
             _of_views(found),
             _of_images(surface),
             _log(found.material.albedo.T),
@@ -58,7 +64,8 @@ def scene_statistics(surface: ObservedSurface, found: Explanation) -> SceneStati
             _of_roughness(found.material),
             _of_roughness(found.gloss),
             _of_gloss(found.gloss),
-            _of_coverage(found),
+            _of_coverage(found, whole),
+            bands.of_all,
             _of_scan(surface, found),
             found.detail,
         ]
@@ -77,14 +84,11 @@ def _of_light(light: InferredLight) -> Array:
     )  # fmt: skip
 
 
-def _of_shading(found: Explanation) -> Array:
+def _of_shading(colours: Array, filled: Array, whole: Array) -> Array:
     """(3, 14): ratios of colour to light over the surface, the light's strength and contrast."""
-    seen, whole = (
-        np.maximum(weighted_radiance(light, found.incoming)[:, :3], DARKEST)
-        for light in (found.filled, found.light)
-    )
-    by_fill, by_whole = (_log(found.colours / light) for light in (seen, whole))
-    strength = np.log(found.colours + LEAST)
+    seen, whole = (np.maximum(light[:, :3], DARKEST) for light in (filled, whole))
+    by_fill, by_whole = (_log(colours / light) for light in (seen, whole))
+    strength = np.log(colours + LEAST)
     return np.stack(
         [
             *np.quantile(by_fill, _QUANTILES, axis=0),
@@ -157,11 +161,11 @@ def _mean_and_spread(weight: Array) -> Array:
     return np.array([10.0 * mean, 10.0 * np.sqrt(weight @ (roughness - mean) ** 2)], np.float32)
 
 
-def _of_coverage(found: Explanation) -> Array:
+def _of_coverage(found: Explanation, whole: Array) -> Array:
     """(12,): seen and clipped shares of the sphere, of diffuse light and of some lobes' light."""
     fine = found.filled.levels[0]
     angles = octahedral_solid_angles(len(fine))[..., None] / (4.0 * np.pi)
-    diffuse = weighted_radiance(found.light, found.incoming)[:, 3:]
+    diffuse = whole[:, 3:]
     lobes = found.lobes[:, _PROBED, 3:].mean(axis=0)
     return np.concatenate(
         [(fine[..., 3:] * angles).sum(axis=(0, 1)), diffuse.mean(axis=0), diffuse.std(axis=0),
