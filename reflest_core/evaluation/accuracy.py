@@ -10,7 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.gloss import ward_to_labcd
-from reflest_core.evaluation.bootstrap import Interval, over_groups, over_scenes
+from reflest_core.evaluation.bootstrap import (
+    Interval,
+    mean_of_roots_over_groups,
+    over_groups,
+    over_scenes,
+)
 from reflest_core.models.normalisation import ParameterStatistics
 from reflest_core.training.metrics import NormalisedRmse, normalised_rmse
 from reflest_core.training.sample import Sample
@@ -24,6 +29,7 @@ class Accuracy:
     """``ward``, ``labcd``: the errors in both parameterisations.
 
     ``over_scenes``, ``over_environments``: 95 % intervals of ``ward.overall``.
+    ``mean_over_environments``: one of the mean of ``ward.per_parameter``.
     """
 
     scenes: int
@@ -32,22 +38,24 @@ class Accuracy:
     labcd: NormalisedRmse
     over_scenes: Interval
     over_environments: Interval
+    mean_over_environments: Interval
 
 
 def accuracy(
     estimates: NDArray[np.float64], samples: list[Sample], statistics: Statistics
 ) -> Accuracy:
     """Of (S, 5) Ward estimates of ``samples``."""
-    truths = np.stack([sample.ward for sample in samples])
     environments = [sample.environment for sample in samples]
-    squared = scene_errors(estimates, samples, statistics) ** 2
+    truths = np.stack([sample.ward for sample in samples])
+    squared = _errors(estimates, truths, statistics) ** 2
     return Accuracy(
         scenes=len(samples),
         environments=len(set(environments)),
         ward=normalised_rmse(estimates, truths, statistics["ward"]),
         labcd=normalised_rmse(ward_to_labcd(estimates), ward_to_labcd(truths), statistics["labcd"]),
-        over_scenes=over_scenes(squared),
-        over_environments=over_groups(squared, environments),
+        over_scenes=over_scenes(squared.mean(axis=1)),
+        over_environments=over_groups(squared.mean(axis=1), environments),
+        mean_over_environments=mean_of_roots_over_groups(squared, environments),
     )
 
 
@@ -56,7 +64,13 @@ def scene_errors(
 ) -> NDArray[np.float64]:
     """(S,) each scene's normalised RMSE over its five Ward parameters."""
     truths = np.stack([sample.ward for sample in samples])
+    squared = _errors(estimates, truths, statistics) ** 2
+    return np.asarray(np.sqrt(squared.mean(axis=1)), np.float64)
+
+
+def _errors(
+    estimates: NDArray[np.float64], truths: NDArray[np.float64], statistics: Statistics
+) -> NDArray[np.float64]:
+    """(S, 5) z-scored."""
     known = statistics["ward"]
-    errors = known.normalise(estimates) - known.normalise(truths)
-    roots: NDArray[np.float64] = np.sqrt((errors**2).mean(axis=1))
-    return roots
+    return np.asarray(known.normalise(estimates) - known.normalise(truths), np.float64)

@@ -32,21 +32,26 @@ def over_groups(squared: NDArray[np.float64], groups: Sequence[str]) -> Interval
 
     Scenes under one light err alike, so this is the wider and the honest one for new lights.
     """
-    return _central(np.sqrt(_means(squared, groups)))
+    return _central(np.sqrt(_means(squared[:, None], groups)[:, 0]))
+
+
+def mean_of_roots_over_groups(squared: NDArray[np.float64], groups: Sequence[str]) -> Interval:
+    """Interval of the mean over parameters of the roots of their mean squared errors (S, P)."""
+    return _central(np.sqrt(_means(squared, groups)).mean(axis=1))
 
 
 def share_over_groups(is_so: NDArray[np.bool_], groups: Sequence[str]) -> Interval:
     """Interval of the share of scenes (S,) that something holds of, groups drawn together."""
-    return _central(_means(is_so.astype(np.float64), groups))
+    return _central(_means(is_so.astype(np.float64)[:, None], groups)[:, 0])
 
 
 def _means(values: NDArray[np.float64], groups: Sequence[str]) -> NDArray[np.float64]:
-    """(DRAWS,) means over scenes of groups drawn with replacement."""
+    """(DRAWS, P) means of (S, P) over scenes of groups drawn with replacement."""
     names, member = np.unique(np.asarray(groups), return_inverse=True)
-    sums = np.bincount(member, weights=values)
+    sums = np.stack([np.bincount(member, weights=column) for column in values.T], axis=1)
     counts = np.bincount(member)
     drawn = np.random.default_rng(SEED).integers(0, len(names), (DRAWS, len(names)))
-    means: NDArray[np.float64] = sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)
+    means: NDArray[np.float64] = sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)[:, None]
     return means
 
 

@@ -34,7 +34,7 @@ def table_2(record: Record) -> Lines:
 
 def _ward_table(rows: list[Record], with_paper: bool) -> Lines:
     header = ["network", "RMSE", "95 %, scenes", "95 %, environments"]
-    header += ["scene mean", "median", "p95", "mean of five", *WARD_NAMES]
+    header += ["scene mean", "median", "p95", "mean of five", "95 %, environments", *WARD_NAMES]
     header += ["paper", "paper's users"] if with_paper else []
     body = []
     for row in rows:
@@ -42,7 +42,8 @@ def _ward_table(rows: list[Record], with_paper: bool) -> Lines:
         cells = [row["title"], of["ward"]["overall"]]
         cells += [interval(of["over_scenes"]), interval(of["over_environments"])]
         by_parameter = of["ward"]["per_parameter"]
-        cells += [*spread(of["ward"]), fmean(by_parameter), *by_parameter]
+        cells += [*spread(of["ward"]), fmean(by_parameter)]
+        cells += [interval(of["mean_over_environments"]), *by_parameter]
         body.append(cells + ([row["paper_rmse"], row["paper_rank"]] if with_paper else []))
     return table(header, body)
 

@@ -5,7 +5,11 @@
 import numpy as np
 import pytest
 
-from reflest_core.evaluation.bootstrap import over_groups, over_scenes
+from reflest_core.evaluation.bootstrap import (
+    mean_of_roots_over_groups,
+    over_groups,
+    over_scenes,
+)
 
 
 def test_scenes_that_err_alike_leave_no_doubt():
@@ -28,3 +32,17 @@ def test_scenes_of_one_light_count_as_one():
     by_scene, by_light = over_scenes(squared), over_groups(squared, lights)
     assert by_light.high - by_light.low > 3 * (by_scene.high - by_scene.low)
     assert over_scenes(squared) == by_scene
+
+
+def test_the_mean_of_roots_takes_each_parameter_s_root_first():
+    squared = np.repeat([[0.04, 0.36]], 30, axis=0)
+    lights = np.repeat(["a", "b", "c"], 10).tolist()
+    interval = mean_of_roots_over_groups(squared, lights)
+    assert (interval.low, interval.high) == pytest.approx((0.4, 0.4))
+
+
+def test_of_like_parameters_the_mean_of_roots_is_the_root_of_means():
+    squared = np.repeat([0.1, 0.2, 0.5, 0.9], 100)
+    lights = np.repeat(["a", "b", "c", "d"], 100).tolist()
+    of_five = mean_of_roots_over_groups(np.repeat(squared[:, None], 5, axis=1), lights)
+    assert vars(of_five) == pytest.approx(vars(over_groups(squared, lights)))
