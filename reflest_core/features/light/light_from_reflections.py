@@ -94,18 +94,20 @@ class _System:
         channel: int,
     ) -> _System:
         colours = sample.colours[:, channel]
-        diffuse = response.columns(sample.voxel_of, channel)
-        mirrored = reflection.columns(slice(None), channel)
+        # Of one channel first: rows that lie together are copied many times faster.
+        diffuse = np.take(response.answers[channel], sample.voxel_of, axis=0)
+        reflects_seen = reflection.answers[channel, :, 0]
+        mirrored = reflection.answers[channel].copy()
         mirrored[:, 0] = 0.0  # what reflects seen light is known, and taken from the target
         matters = which_matter(diffuse + mirrored)
         told = np.flatnonzero(matters)
         return _System(
             rho_s,
             matters,
-            colours - np.float32(rho_s) * reflection.seen[:, channel],
+            colours - np.float32(rho_s) * reflects_seen,
             np.hypot(
                 RELATIVE * colours + LEAST,
-                np.float32(COARSE * rho_s) * reflection.seen[:, channel],
+                np.float32(COARSE * rho_s) * reflects_seen,
             ),
             sample.clipped[:, channel],
             np.take(diffuse, told, axis=1),
@@ -116,24 +118,30 @@ class _System:
         """The light and the albedo under each prior, beginning with this one."""
         if np.count_nonzero(~self.is_bound) < FEWEST:
             return [(prior.mean.copy(), albedo, 1.0, 0.0) for prior in priors]
-        found, is_first, lights = Unknowns(self.matters, priors[0]).expected(albedo), True, []
-        for prior in priors:
-            light, found = self._explained(Unknowns(self.matters, prior), found, is_first)
+        first, *others = (Unknowns(self.matters, prior) for prior in priors)
+        expected = first.expected(albedo)
+        light, found = self._explained(first, expected, TURNS, is_found=False)
+        lights = [light]
+        for unknowns in others:
+            light, found = self._explained(unknowns, found, FURTHER_TURNS, is_found=True)
             lights.append(light)
-            is_first = False
         return lights
 
     def _explained(
-        self, unknowns: Unknowns, start: NDArray[np.float64], is_first: bool
+        self, unknowns: Unknowns, start: NDArray[np.float64], turns: int, is_found: bool
     ) -> tuple[ChannelLight, NDArray[np.float64]]:
-        """The light, and the unknowns as they were found, to go on from."""
+        """The light, and the unknowns as they were found, to go on from.
+
+        What is far from the answer before loses weight, and so from the ``start`` if that was found
+        and not just expected.
+        """
         found, factors = start, start / max(float(start[0]), 1e-3)
-        for turn in range(TURNS if is_first else FURTHER_TURNS):
+        for turn in range(turns):
             share = min(self.rho_s / max(float(found[0]), LEAST_ALBEDO), MOST_GLOSS)
             columns = self.diffuse + np.float32(share) * self.mirrored
             unsure = np.float32(HIDDEN * self.rho_s) * (self.mirrored @ factors.astype(np.float32))
             variance = self.noise**2 + unsure**2
-            if is_first and turn == 0:
+            if turn == 0 and not is_found:
                 weight = np.where(self.is_bound, np.float32(0.0), 1.0 / variance)
             else:
                 error = self._error(columns, found)

@@ -76,7 +76,7 @@ def _infer_channel(
     known = colours < 1.0
     target = colours[known]
     noise = NOISE * target + DARK_NOISE * max(float(target.max(initial=0.0)), 1e-3)
-    columns = response.columns(known, channel)
+    columns = response.answers[channel, known]
     unknowns = Unknowns(which_matter(columns), prior)
     columns = columns[:, unknowns.matters]
     found, errors = unknowns.expected(ALBEDO[0]), np.zeros_like(target)

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from reflest_core.features.light.completion import LightPyramid, halved_to
 from reflest_core.features.light.cosine_weights import SIZE
 from reflest_core.features.light.irradiance import Incoming
-from reflest_core.features.light.patch_grid import texels_of_patches
+from reflest_core.features.light.patch_grid import PATCHES, texels_of_patches
 from reflest_core.fusion.light_map import ObservedLight
 
 
@@ -22,28 +21,28 @@ class PatchResponse:
     """Radiance of R answers to the light, in parts that add up; P patches.
 
     Answers are ``E(n) / pi`` of normals, or observations of a surface that only shines with
-    ``rho_s = 1``. ``seen``: (R, 3), to the light as it was seen, clipped pixels as white.
-    ``unseen``: (R, P, 3), to a smooth fill of each patch's unseen directions. ``excess``: (R, P,
-    3), to radiance 1 above white where each patch was seen clipped in all channels, and as much
-    less in the others as :func:`.excess_shape` expects. All float32.
+    ``rho_s = 1``. ``answers``: (3, R, 1 + 2 P) float32, of each channel to the light as it was
+    seen, clipped pixels as white; to a smooth fill of each patch's unseen directions; and to
+    radiance 1 above white where each patch was seen clipped in all channels, and as much less in
+    the others as :func:`.excess_shape` expects.
     """
 
-    seen: NDArray[np.float32]
-    unseen: NDArray[np.float32]
-    excess: NDArray[np.float32]
+    answers: NDArray[np.float32]
 
-    def columns(self, rows: NDArray[Any] | slice, channel: int) -> NDArray[np.float32]:
-        """The chosen answers, (S, 1 + 2 P), to what was seen and to every patch."""
-        # Of one channel first: rows that lie together are copied many times faster.
-        of_channel = np.concatenate(
-            [
-                self.seen[:, channel, None],
-                self.unseen[..., channel],
-                self.excess[..., channel],
-            ],
-            axis=1,
-        )
-        return np.asarray(of_channel[rows])
+    @property
+    def seen(self) -> NDArray[np.float32]:
+        """(R, 3), to what was seen."""
+        return self.answers[..., 0].T
+
+    @property
+    def unseen(self) -> NDArray[np.float32]:
+        """(R, P, 3), to the fill of each patch."""
+        return self.answers[..., 1 : 1 + PATCHES].transpose(1, 2, 0)
+
+    @property
+    def excess(self) -> NDArray[np.float32]:
+        """(R, P, 3), to what is above white in each patch."""
+        return self.answers[..., 1 + PATCHES :].transpose(1, 2, 0)
 
 
 @dataclass(frozen=True)
@@ -77,14 +76,12 @@ def diffuse_response(light: LightParts, incoming: Incoming) -> PatchResponse:
     """
     by_patch = incoming.weights[:, texels_of_patches(SIZE)]
     unknown = _summed(by_patch, np.concatenate([light.fill, light.excess], axis=-1))
-    return PatchResponse(
-        seen=np.asarray(incoming.weights @ light.seen + incoming.own, np.float32),
-        unseen=unknown[..., :3],
-        excess=unknown[..., 3:],
-    )
+    seen = incoming.weights @ light.seen + incoming.own
+    answers = [seen.T[..., None], unknown[:3], unknown[3:]]
+    return PatchResponse(np.concatenate(answers, axis=-1).astype(np.float32))
 
 
 def _summed(by_patch: NDArray[np.float32], texels: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(V, P, T) weights and (SIZE * SIZE, C) values to (V, P, C)."""
+    """(V, P, T) weights and (SIZE * SIZE, C) values to (C, V, P)."""
     values = texels[texels_of_patches(SIZE)]
-    return np.asarray((by_patch.transpose(1, 0, 2) @ values).transpose(1, 0, 2), np.float32)
+    return np.asarray((by_patch.transpose(1, 0, 2) @ values).transpose(2, 1, 0), np.float32)

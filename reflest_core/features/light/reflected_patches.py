@@ -35,7 +35,7 @@ def reflection(
     level = filled.levels[LEVELS[roughness]]
     excess = halved_to(filled.excess, len(level))
     return PatchResponse(
-        *_gather(
+        _gather(
             level.reshape(-1, 5), excess.reshape(-1, 3), patches_of_texels(len(level)),
             HALF_VECTORS[roughness],
             kernel_array(normals, np.float32), kernel_array(directions, np.float32),
@@ -55,11 +55,9 @@ def _gather(
     visible: NDArray[np.float32],
     own: NDArray[np.float32],
     patches: int,
-) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
+) -> NDArray[np.float32]:
     size, samples = int(math.sqrt(len(light))), half_vectors.shape[1]
-    seen = np.zeros((len(normals), 3), np.float32)
-    unseen = np.zeros((len(normals), patches, 3), np.float32)
-    excess = np.zeros((len(normals), patches, 3), np.float32)
+    answers = np.zeros((3, len(normals), 1 + 2 * patches), np.float32)
     weights, texels = np.empty(samples, np.float64), np.empty(samples, np.int32)
     for observation in range(len(normals)):
         frame = tangent_frame(normals[observation])
@@ -73,9 +71,9 @@ def _gather(
             unknown = arriving * (1.0 - light[texel, 3])
             for channel in range(3):
                 radiance = light[texel, channel]
-                unseen[observation, patch, channel] += unknown * radiance
-                seen[observation, channel] += (arriving - unknown) * radiance
-                seen[observation, channel] += (share - arriving) * own[channel]
-                beyond = arriving * beyond_white[texel, channel]
-                excess[observation, patch, channel] += beyond
-    return seen, unseen, excess
+                answer = answers[channel, observation]
+                answer[0] += (arriving - unknown) * radiance
+                answer[0] += (share - arriving) * own[channel]
+                answer[1 + patch] += unknown * radiance
+                answer[1 + patches + patch] += arriving * beyond_white[texel, channel]
+    return answers
