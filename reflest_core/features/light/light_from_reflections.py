@@ -94,7 +94,6 @@ class _System:
         channel: int,
     ) -> _System:
         colours = sample.colours[:, channel]
-        # Of one channel first: rows that lie together are copied many times faster.
         diffuse = np.take(response.answers[channel], sample.voxel_of, axis=0)
         reflects_seen = reflection.answers[channel, :, 0]
         mirrored = reflection.answers[channel].copy()
