@@ -47,7 +47,7 @@ def accuracy(
     """Of (S, 5) Ward estimates of ``samples``."""
     environments = [sample.environment for sample in samples]
     truths = np.stack([sample.ward for sample in samples])
-    squared = _errors(estimates, truths, statistics) ** 2
+    squared = _squared_errors(estimates, truths, statistics)
     return Accuracy(
         scenes=len(samples),
         environments=len(set(environments)),
@@ -64,13 +64,14 @@ def scene_errors(
 ) -> NDArray[np.float64]:
     """(S,) each scene's normalised RMSE over its five Ward parameters."""
     truths = np.stack([sample.ward for sample in samples])
-    squared = _errors(estimates, truths, statistics) ** 2
+    squared = _squared_errors(estimates, truths, statistics)
     return np.asarray(np.sqrt(squared.mean(axis=1)), np.float64)
 
 
-def _errors(
+def _squared_errors(
     estimates: NDArray[np.float64], truths: NDArray[np.float64], statistics: Statistics
 ) -> NDArray[np.float64]:
-    """(S, 5) z-scored."""
+    """(S, 5) of the z-scored parameters."""
     known = statistics["ward"]
-    return np.asarray(known.normalise(estimates) - known.normalise(truths), np.float64)
+    errors = known.normalise(estimates) - known.normalise(truths)
+    return np.asarray(errors**2, np.float64)

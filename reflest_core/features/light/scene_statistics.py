@@ -46,11 +46,15 @@ def scene_statistics(surface: ObservedSurface, found: Explanation) -> SceneStati
     filled, whole = (
         weighted_radiance(light, found.incoming) for light in (found.filled, found.light)
     )
-    bands = NormalBands.of(found.normals, found.colours, filled, whole)
+    lights = [np.maximum(light[:, :3], DARKEST) for light in (filled, whole)]
+    by_fill, by_whole = (_log(found.colours / light) for light in lights)
+    clipped = (found.colours >= 1.0).astype(np.float32)
+    bands = NormalBands.of(found.normals, by_fill, by_whole, clipped, filled[:, 3])
     of_channels = np.concatenate(
         [
             *[_of_light(light) for light in found.inferred],
-            _of_shading(found.colours, filled, whole),
+            _of_ratios(by_fill, by_whole),
+            _of_strengths(found.colours, *lights),
             bands.of_channels,
             _of_views(found),
             _of_images(surface),
@@ -84,20 +88,21 @@ def _of_light(light: InferredLight) -> Array:
     )  # fmt: skip
 
 
-def _of_shading(colours: Array, filled: Array, whole: Array) -> Array:
-    """(3, 14): ratios of colour to light over the surface, the light's strength and contrast."""
-    seen, whole = (np.maximum(light[:, :3], DARKEST) for light in (filled, whole))
-    by_fill, by_whole = (_log(colours / light) for light in (seen, whole))
-    strength = np.log(colours + LEAST)
+def _of_ratios(by_fill: Array, by_whole: Array) -> Array:
+    """(3, 6): logarithms of colour over light, before and after completion, over the surface."""
+    quantiles = [np.quantile(ratios, _QUANTILES, axis=0) for ratios in (by_fill, by_whole)]
+    return np.concatenate(quantiles).T
+
+
+def _of_strengths(colours: Array, filled: Array, whole: Array) -> Array:
+    """(3, 8): how bright the surface is, and its light before and after completion."""
     return np.stack(
         [
-            *np.quantile(by_fill, _QUANTILES, axis=0),
-            *np.quantile(by_whole, _QUANTILES, axis=0),
-            *np.quantile(strength, _QUANTILES, axis=0),
-            _log(whole / seen).mean(axis=0),
-            _log(whole / seen).std(axis=0),
-            np.log(seen + LEAST).mean(axis=0),
-            np.log(seen).std(axis=0),
+            *np.quantile(np.log(colours + LEAST), _QUANTILES, axis=0),
+            _log(whole / filled).mean(axis=0),
+            _log(whole / filled).std(axis=0),
+            np.log(filled + LEAST).mean(axis=0),
+            np.log(filled).std(axis=0),
             np.log(whole).std(axis=0),
         ],
         axis=1,
