@@ -18,6 +18,7 @@ from reflest_core.evaluation import (
     swatches,
     view_study,
 )
+from reflest_core.evaluation.bootstrap import mean_of_roots_over_groups
 from reflest_core.evaluation.contenders import EvaluationError
 from reflest_core.evaluation.paper_figures import TABLES_2_AND_3
 from reflest_core.models.predictor import Predictor
@@ -73,6 +74,8 @@ def test_table_2_holds_what_the_network_reaches(out, runs, data):
     )
     interval = row["accuracy"]["over_scenes"]
     assert interval["low"] < row["accuracy"]["ward"]["overall"] < interval["high"]
+    of_mean = mean_of_roots_over_groups(errors**2, [s.environment for s in samples])
+    assert row["accuracy"]["mean_over_environments"] == pytest.approx(vars(of_mean), abs=1e-4)
     assert row["accuracy"]["environments"] == 2
     assert row["paper_rmse"] == 0.564
     assert row["paper_rank"] == 3

@@ -9,6 +9,7 @@ import pytest
 
 from reflest_core.features.light import light_prior
 from reflest_core.features.light.explained_light import explain
+from reflest_core.features.light.normal_bands import BANDS
 from reflest_core.features.light.scene_statistics import (
     CHANNEL_STATISTICS,
     STATISTICS,
@@ -17,6 +18,9 @@ from reflest_core.features.light.scene_statistics import (
 from reflest_core.fusion.light_map import SIZE, ObservedLight
 from reflest_core.fusion.octahedral import octahedral_directions
 from test.core.surfaces import sphere_surface
+
+CLIPPED_BANDS = 12 + 14 + 2 * BANDS
+"""Behind what the fits found, the ratios and strengths, and the bands' ratios."""
 
 
 def lit_room(colour=(0.5, 0.4, 0.3)):
@@ -41,6 +45,19 @@ def test_sizes_are_as_stated(surface):
     found = statistics(surface, lit_room())
     assert found.of_channels.shape == (3, CHANNEL_STATISTICS)
     assert found.of_all.shape == (STATISTICS,)
+
+
+def test_which_way_what_is_clipped_faces_is_told(surface):
+    faces_down = surface.normals[:, 2] < -0.6
+    colours = surface.colours.copy()
+    colours[np.repeat(faces_down, surface.observation_counts), 0] = 255
+    clipped = dataclasses.replace(surface, colours=colours)
+    found = (
+        statistics(clipped, lit_room()).of_channels - statistics(surface, lit_room()).of_channels
+    )
+    clipped_bands = slice(CLIPPED_BANDS, CLIPPED_BANDS + BANDS)
+    np.testing.assert_allclose(found[0, clipped_bands], [1.0] + [0.0] * (BANDS - 1), atol=1e-5)
+    np.testing.assert_array_equal(found[1:, clipped_bands], 0.0)
 
 
 def test_swapped_colours_swap_the_numbers(surface, monkeypatch):
