@@ -9,6 +9,7 @@ centre sees, unmirrored.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -68,7 +69,7 @@ def find_environments(path: Path) -> list[EnvironmentSource]:
     return sorted(sources, key=lambda source: source.name)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=256)
 def load_environment(source: EnvironmentSource, height: int = 128) -> NDArray[np.float32]:
     """Return radiance (height, 2 * height, 3), linear Rec. 709, no texel negative.
 
@@ -94,6 +95,11 @@ def load_environment(source: EnvironmentSource, height: int = 128) -> NDArray[np
     if not radiance.any():
         raise EnvironmentUnreadable(f"environment {source.name} is black")
     return resample(radiance, height)
+
+
+def load_all(sources: Sequence[EnvironmentSource]) -> dict[str, NDArray[np.float32]]:
+    """Each by its name, as :func:`load_environment` returns it."""
+    return {source.name: load_environment(source) for source in sources}
 
 
 def resample(radiance: NDArray[np.float32], height: int) -> NDArray[np.float32]:

@@ -8,7 +8,8 @@ new environment that keeps what natural light has: a few small strong sources ov
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,15 +27,26 @@ MIXED_IN_SHARE = 0.25
 """Of natural light has a procedural room or sky mixed in."""
 
 
+@dataclass(frozen=True)
+class DiverseLight:
+    """``radiance``: (H, 2 H, 3) float32. ``natural``: names of the environments in it, if any."""
+
+    radiance: NDArray[np.float32]
+    natural: tuple[str, ...]
+
+
 def draw_diverse_light(
-    rng: np.random.Generator, maps: Sequence[NDArray[np.float32]]
-) -> NDArray[np.float32]:
-    """Return a new environment as large as ``maps``, each (H, 2 H, 3) linear radiance, z up."""
-    height = maps[0].shape[0]
+    rng: np.random.Generator, maps: Mapping[str, NDArray[np.float32]]
+) -> DiverseLight:
+    """Draw a new environment as large as ``maps``, each (H, 2 H, 3) linear radiance, z up."""
+    names = list(maps)
+    height = maps[names[0]].shape[0]
     kind = int(rng.choice(4, p=SOURCE_SHARES))
+    natural: tuple[str, ...] = ()
     if kind < 2:
         count = 1 if kind == 0 else int(rng.integers(2, 4))
-        parts = [_turned(rng, maps[k]) for k in rng.integers(len(maps), size=count)]
+        natural = tuple(names[k] for k in rng.integers(len(names), size=count))
+        parts = [_turned(rng, maps[name]) for name in natural]
         if rng.uniform() < MIXED_IN_SHARE:
             parts.append(_made(rng, height, is_room=rng.uniform() < 0.5))
     else:
@@ -44,7 +56,7 @@ def draw_diverse_light(
         share / part.mean() * part.astype(np.float64)
         for share, part in zip(shares, parts, strict=True)
     )
-    return _varied(rng, np.asarray(radiance)).astype(np.float32)
+    return DiverseLight(_varied(rng, np.asarray(radiance)).astype(np.float32), natural)
 
 
 def _turned(rng: np.random.Generator, radiance: NDArray[np.float32]) -> NDArray[np.float32]:

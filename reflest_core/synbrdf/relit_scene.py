@@ -11,7 +11,7 @@ objects that hide next to nothing of the light are relit.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,7 @@ from reflest_core.fusion.octahedral import (
 )
 from reflest_core.synbrdf.environments import rotated
 from reflest_core.synbrdf.exposure import auto_exposure, expose
-from reflest_core.synbrdf.light_diversity import draw_diverse_light
+from reflest_core.synbrdf.light_diversity import DiverseLight, draw_diverse_light
 from reflest_core.synbrdf.materials import draw_material
 from reflest_core.synbrdf.metering import mean_colours
 from reflest_core.synbrdf.scene_file import SynbrdfScene
@@ -47,7 +47,7 @@ TINT_STDDEV = 0.12
 MOST_HIDDEN = 0.03
 """Share of the light, weighted by cosine, that an object may hide from its own surface."""
 NAME = "relit"
-"""Stands for the name of the environment."""
+"""Names relit light; the environments in it follow, each after a "+"."""
 
 
 def is_relightable(scene: SynbrdfScene) -> bool:
@@ -63,17 +63,20 @@ def is_relightable(scene: SynbrdfScene) -> bool:
 
 def drawn_anew(
     scene: SynbrdfScene,
-    maps: Sequence[NDArray[np.float32]],
+    maps: Mapping[str, NDArray[np.float32]],
     rng: np.random.Generator,
     natural_share: float = NATURAL_SHARE,
 ) -> SynbrdfScene:
     """``scene`` with another material, and another light made of ``maps`` (H, 2 H, 3)."""
     if rng.uniform() < natural_share:
-        light = rotated(maps[int(rng.integers(len(maps)))], float(rng.uniform(0.0, 2.0 * np.pi)))
+        name = list(maps)[int(rng.integers(len(maps)))]
+        light = rotated(maps[name], float(rng.uniform(0.0, 2.0 * np.pi)))
         light = light * np.exp(rng.normal(0.0, TINT_STDDEV, 3)).astype(np.float32)
+        drawn = DiverseLight(light, (name,))
     else:
-        light = draw_diverse_light(rng, maps)
-    return relit(scene, draw_material(rng, scene.truth.variant), light, rng)
+        drawn = draw_diverse_light(rng, maps)
+    again = relit(scene, draw_material(rng, scene.truth.variant), drawn.radiance, rng)
+    return dataclasses.replace(again, environment="+".join((NAME, *drawn.natural)))
 
 
 def relit(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.parameters import WardParameters
-from reflest_core.synbrdf.environments import load_environment, rotated
+from reflest_core.synbrdf.environments import load_all, load_environment, rotated
 from reflest_core.synbrdf.light_diversity import draw_diverse_light
 from reflest_core.synbrdf.materials import draw_material
 from reflest_core.synbrdf.room.draw import draw_room
@@ -30,6 +30,8 @@ BLEND_SHARE = 0.3
 """Of the training scenes stand in a blend of two environments."""
 TINT_STDDEV = 0.12
 """Of the logarithm of each channel's tint in training scenes."""
+DIVERSE = "diverse"
+"""Names diverse light; the environments in it follow, each after a "+"."""
 ROOM = "room"
 """Names the light of a room; what its windows show follows after a "+"."""
 
@@ -89,8 +91,8 @@ def draw_scene(
     material = draw_material(rng)
     mesh, shape = _draw_shape(rng, sources)
     if is_diverse:
-        maps = [load_environment(source) for source in sources.environments]
-        light = Light("diverse", 0.0, draw_diverse_light(rng, maps))
+        drawn = draw_diverse_light(rng, load_all(sources.environments))
+        light = Light("+".join((DIVERSE, *drawn.natural)), 0.0, drawn.radiance)
     else:
         light = _draw_light(rng, sources, vary=split is Split.TRAIN)
     poses, pattern = draw_views(rng, views, mesh.diameter)

@@ -15,20 +15,30 @@ from reflest_core.synbrdf.scene import Lighting, draw_scene
 from reflest_core.synbrdf.splits import Sources, Split
 
 FAR = (Lighting.NATURAL, Lighting.DIVERSE)
-MAPS = [procedural_sky(seed, 32) for seed in range(3)]
+MAPS = {f"sky-{seed}": procedural_sky(seed, 32) for seed in range(3)}
 
 
 @pytest.mark.parametrize("seed", range(12))
 def test_every_draw_is_light_and_like_no_source(seed):
-    radiance = draw_diverse_light(np.random.default_rng(seed), MAPS)
+    radiance = draw_diverse_light(np.random.default_rng(seed), MAPS).radiance
     assert radiance.shape == (32, 64, 3)
     assert np.isfinite(radiance).all()
     assert radiance.min() >= 0.0
     assert radiance.mean() > 0.0
-    again = draw_diverse_light(np.random.default_rng(seed), MAPS)
+    again = draw_diverse_light(np.random.default_rng(seed), MAPS).radiance
     np.testing.assert_array_equal(radiance, again)
-    for source in MAPS:
+    for source in MAPS.values():
         assert abs(np.corrcoef(radiance.ravel(), source.ravel())[0, 1]) < 0.999
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_it_names_the_environments_that_it_would_not_be_the_same_without(seed):
+    drawn = draw_diverse_light(np.random.default_rng(seed), MAPS)
+    for name in MAPS:
+        others = {**MAPS, name: MAPS[name][:, ::-1] ** 2}
+        again = draw_diverse_light(np.random.default_rng(seed), others)
+        assert again.natural == drawn.natural
+        assert (name in drawn.natural) == (again.radiance != drawn.radiance).any()
 
 
 def test_a_room_is_brightest_at_its_lamps_and_windows_and_no_lamp_is_below():
@@ -47,7 +57,9 @@ def test_only_training_scenes_get_it():
         for split in Split
     }
     natural, diverse = scenes[Split.TRAIN]
-    assert diverse.light.name == "diverse"
+    kind, *mixed = diverse.light.name.split("+")
+    assert kind == "diverse"
+    assert set(mixed) <= {source.name for source in sources.environments}
     assert natural.light.name.startswith("sky-")
     assert diverse.material != natural.material
     for split in (Split.VALIDATION, Split.UNSEEN):

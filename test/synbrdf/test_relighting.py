@@ -15,6 +15,7 @@ from reflest_core.fusion.octahedral import octahedral_directions
 from reflest_core.synbrdf.environments import load_environment, rotated
 from reflest_core.synbrdf.generate import generate
 from reflest_core.synbrdf.generation import Generation
+from reflest_core.synbrdf.procedural_sky import procedural_sky
 from reflest_core.synbrdf.process_pool import process_pool
 from reflest_core.synbrdf.relighting import Relighting, RelightingRefused, relight
 from reflest_core.synbrdf.relit_scene import drawn_anew, is_relightable, relit
@@ -100,7 +101,7 @@ def test_the_background_is_the_light_where_it_is(convex):
 
 def test_natural_light_is_one_environment_as_it_is(convex):
     """An even one stays even, but for its tint; diverse light has lamps, skies or others in it."""
-    even = [np.ones((16, 32, 3), np.float32)]
+    even = {"even": np.ones((16, 32, 3), np.float32)}
 
     def is_even(share, seed):
         drawn = drawn_anew(convex[0], even, np.random.default_rng(seed), share)
@@ -108,6 +109,19 @@ def test_natural_light_is_one_environment_as_it_is(convex):
 
     assert all(is_even(1.0, seed) for seed in range(5))
     assert not all(is_even(0.0, seed) for seed in range(5))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_relit_scene_names_its_light(convex, seed):
+    """The environments without which it would not look the same."""
+    lights = {name: procedural_sky(k, 16) for k, name in enumerate(("dawn", "noon", "dusk"))}
+    drawn = drawn_anew(convex[0], lights, np.random.default_rng(seed), 0.5)
+    kind, *natural = drawn.environment.split("+")
+    assert kind == "relit"
+    for name in lights:
+        others = {**lights, name: lights[name][:, ::-1] ** 2}
+        again = drawn_anew(convex[0], others, np.random.default_rng(seed), 0.5)
+        assert (name in natural) == (again.radiance != drawn.radiance).any()
 
 
 def relit_set(data, out, copies=2):

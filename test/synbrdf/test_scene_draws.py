@@ -21,13 +21,13 @@ DRAWN = {
         (1.067777003770819, 0.494867748431732, 1.0258211078943045),
     ),
     (Split.TRAIN, 7, DIVERSE): (
-        ("lathe", "orbit", "diverse"),
+        ("lathe", "orbit", "diverse+sky-0+sky-1"),
         (0.29287366265700077, 0.7071263373429992, 0.035722665892599856, 0.0),
         (1.0878033933300155, 0.3134232913182989, -0.9854737166511043),
     ),
 }
 """Words; rho_d's red, rho_s, alpha, the light's turn; its mean, the diameter, a camera's y: all as
-the code drew them before there were rooms."""
+the code drew them before there were rooms, but the names of what diverse light mixes."""
 
 
 @pytest.mark.parametrize("which", DRAWN)
