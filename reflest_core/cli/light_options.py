@@ -35,8 +35,8 @@ def add_light_options(parser: argparse.ArgumentParser) -> None:
         help="train without these environments, in mixtures too; measure and calibrate on them",
     )  # fmt: skip
     group.add_argument(
-        "--calibration", type=Path, metavar="WEIGHTS",
-        help="take the calibration of a training with --hold-out",
+        "--calibration", type=Path, nargs="+", metavar="RUN",
+        help="folders of trainings with --hold-out: calibrate on all that they held out",
     )  # fmt: skip
     group.add_argument(
         "--without", nargs="+", metavar="PART",
@@ -85,15 +85,15 @@ def light_course(
 ) -> LightCourse:
     """Shade what is missing, in the first process, and load it."""
     from reflest_core.training.light.ablation import check_parts
-    from reflest_core.training.light.calibration import Calibration
+    from reflest_core.training.light.held_out_errors import HeldOutErrors
     from reflest_core.training.light.light_course import LightCourse
     from reflest_core.training.light.light_data import ShadingPlace, load_light_data
 
     check_parts(recipe.without)
-    given = arguments.calibration
-    calibration = Calibration.read(given) if given else None
+    measured = [HeldOutErrors.read(folder) for folder in arguments.calibration or ()]
+    held_out = HeldOutErrors.joined(measured) if measured else None
     jobs = arguments.jobs or os.cpu_count() or 1
     place = ShadingPlace(arguments.shadings or arguments.out / "shadings", jobs)
     with processes.first_alone():
         data = load_light_data(arguments.data, recipe, arguments.looks or LOOKS, place)
-    return LightCourse(recipe, data, processes.device, calibration)
+    return LightCourse(recipe, data, processes.device, held_out)

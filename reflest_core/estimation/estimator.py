@@ -89,7 +89,7 @@ class Estimator:
         if stddev is None:
             return {}
         red, green, blue, rho_s, alpha = stddev.tolist()
-        correlation = self.predictor.card.error_correlation
+        correlation = self.predictor.card.calibration.correlation
         lightness, a, b, c, d = labcd_stddev(ward, stddev, correlation).tolist()
         return {
             "rho_d_stddev": (red, green, blue),

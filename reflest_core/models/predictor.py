@@ -102,7 +102,7 @@ class Predictor:
             return None
         usual = self.card.statistics["ward"].stddev
         log_variances = np.minimum(scores.log_variances.astype(np.float64), LARGEST_LOG_VARIANCE)
-        stddev = np.exp(0.5 * log_variances) * usual * self.card.stddev_factors
+        stddev = self.card.calibration.calibrated(np.exp(0.5 * log_variances)) * usual
         return np.maximum(stddev, usual) if light.seen == 0.0 else stddev
 
 

@@ -19,6 +19,7 @@ from safetensors.numpy import save_file
 
 from reflest_core.brdf.parameters import WardVariant
 from reflest_core.errors import ReflestError
+from reflest_core.models.calibration import Calibration
 from reflest_core.models.model_choice import MODELS
 from reflest_core.models.normalisation import ParameterStatistics
 from reflest_core.models.quantisation import Tensors, dequantise, quantise
@@ -39,9 +40,8 @@ class WeightsCard:
     the meaning of the five outputs after their z-score is undone. ``statistics``: the training
     set's, for both parameterisations. ``recipe``: data, loss, optimiser, seed.
 
-    Of a network that says how sure it is, fitted on environments kept from training:
-    ``stddev_factors`` (5,) float64, by which its standard deviations of the Ward parameters are
-    multiplied; ``error_correlation`` (5, 5) float64 of the errors over those deviations.
+    ``calibration``: of the standard deviations of a network that says how sure it is, fitted on
+    environments kept from training.
     """
 
     network: str
@@ -49,8 +49,7 @@ class WeightsCard:
     variant: WardVariant
     statistics: dict[str, ParameterStatistics]
     recipe: dict[str, Any]
-    stddev_factors: NDArray[np.float64] = field(default_factory=lambda: np.ones(5))
-    error_correlation: NDArray[np.float64] = field(default_factory=lambda: np.eye(5))
+    calibration: Calibration = field(default_factory=Calibration)
 
     @property
     def output_statistics(self) -> ParameterStatistics:
@@ -78,8 +77,9 @@ def save_weights(
                 for name, known in card.statistics.items()
             },
             "recipe": card.recipe,
-            "stddev_factors": card.stddev_factors.tolist(),
-            "error_correlation": card.error_correlation.tolist(),
+            "stddev_factors": card.calibration.factors.tolist(),
+            "stddev_powers": card.calibration.powers.tolist(),
+            "error_correlation": card.calibration.correlation.tolist(),
         },
         sort_keys=True,
     )
@@ -158,6 +158,9 @@ def _read_card(described: str) -> WeightsCard:
         WardVariant(card["variant"]),
         statistics,
         card["recipe"],
-        np.array(card.get("stddev_factors", np.ones(5))),
-        np.array(card.get("error_correlation", np.eye(5))),
+        Calibration(
+            np.array(card.get("stddev_factors", np.ones(5))),
+            np.array(card.get("stddev_powers", np.ones(5))),
+            np.array(card.get("error_correlation", np.eye(5))),
+        ),
     )

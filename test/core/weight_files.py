@@ -6,6 +6,7 @@ import numpy as np
 import torch
 
 from reflest_core.brdf.parameters import WardVariant
+from reflest_core.models.calibration import Calibration
 from reflest_core.models.model_choice import MODELS
 from reflest_core.models.network_kind import NETWORKS
 from reflest_core.models.normalisation import ParameterStatistics
@@ -16,7 +17,7 @@ USUAL = ParameterStatistics(
 )
 
 
-def untrained(model, folder, factors=(1.0, 1.0, 1.0, 1.0, 1.0), correlation=None):
+def untrained(model, folder, calibration=None):
     """Path of the weight file of a model's network as it is first made, always the same."""
     network = MODELS[model].network
     path = folder / f"untrained-{network}.safetensors"
@@ -25,12 +26,12 @@ def untrained(model, folder, factors=(1.0, 1.0, 1.0, 1.0, 1.0), correlation=None
         module = NETWORKS[network].make()
     card = WeightsCard(
         network, "ward", WardVariant.WARD_1992, {"ward": USUAL, "labcd": USUAL}, {},
-        np.array(factors), np.eye(5) if correlation is None else correlation,
+        calibration or Calibration(),
     )  # fmt: skip
     save_weights(path, module.state_dict(), card, eight_bit=False)
     return path
 
 
-def untrained_lightnet(folder, factors=(1.0, 1.0, 1.0, 1.0, 1.0), correlation=None):
+def untrained_lightnet(folder, calibration=None):
     """The same for the network that knows the light."""
-    return untrained("lightnet", folder, factors, correlation)
+    return untrained("lightnet", folder, calibration)

@@ -4,58 +4,79 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 
-from reflest_core.models.weights import load_weights
-from reflest_core.training.light.measured_looks import HALF_WIDTH, HELD_SHARE, MeasuredLooks
-from reflest_core.training.sample import TrainingError
+from reflest_core.models.calibration import Calibration
+from reflest_core.training.light.held_out_errors import HeldOutErrors
+from reflest_core.training.light.measured_looks import HALF_WIDTH, HELD_SHARE
 
+KINDS = (slice(0, 3), slice(3, 4), slice(4, 5))
+"""The channels of ``rho_d``, which pass the same weights and so share their calibration: which of
+them erred more is what the few lights that were held out had, not the network; ``rho_s``;
+``alpha``."""
+POWERS = (0.3, 3.0)
+"""The powers tried."""
+SMALLEST = 1e-6
+"""Smaller z-scored errors count as this one."""
 FARTHEST = 3.0
 """Errors of more standard deviations than this count as this many in the correlation."""
 
 
-@dataclass(frozen=True)
-class Calibration:
-    """``factors`` (5,) of the standard deviations, ``correlation`` (5, 5) of errors over them."""
+def fitted_calibration(held_out: HeldOutErrors) -> Calibration:
+    """Such that 90 % intervals hold 90 % of the held-out truths, where it is sure and where not.
 
-    factors: NDArray[np.float64] = field(default_factory=lambda: np.ones(5))
-    correlation: NDArray[np.float64] = field(default_factory=lambda: np.eye(5))
-
-    @staticmethod
-    def of(measured: MeasuredLooks) -> Calibration:
-        """Such that 90 % intervals hold 90 % of the measured truths, of each kind of parameter.
-
-        So under the mean environment, for scenes of one err alike, and a scan stands in a new one:
-        each counts as much as any other. The channels of ``rho_d`` pass the same weights and so
-        share their factor: which of them erred more is what the few lights that were held out had,
-        not the network.
-        """
-        scores = (measured.estimates - measured.truths) / measured.deviations
-        lights = [scores[measured.environments == one] for one in np.unique(measured.environments)]
-        factors = np.mean([_factors(of_light) for of_light in lights], axis=0)
-        limited = np.clip(scores / factors, -FARTHEST, FARTHEST)
-        moments = limited.T @ limited
-        deviations = np.sqrt(np.diag(moments))
-        return Calibration(factors, moments / np.outer(deviations, deviations))
-
-    @staticmethod
-    def read(path: Path) -> Calibration:
-        """That of another run's weight file; :class:`TrainingError` where it has none."""
-        _, card, _ = load_weights(path)
-        if card.network != "lightnet" or not card.recipe.get("hold_out"):
-            raise TrainingError(
-                f"{path} was not calibrated; give --calibration the weights of a training of "
-                "lightnet with --hold-out"
-            )
-        return Calibration(card.stddev_factors, card.error_correlation)
+    The 0.9-quantile of the errors as a power law of the stated deviations, by quantile regression
+    of their logarithms (Koenker and Bassett 1978), for each of :data:`KINDS`. A scan stands in a
+    new light: each light counts as much as any other, however many looks it has.
+    """
+    factors, powers = np.ones(5), np.ones(5)
+    for kind in KINDS:
+        errors = np.abs(held_out.errors[:, kind])
+        weights = np.repeat(held_out.light_weights(), errors.shape[1])
+        factors[kind], powers[kind] = _power_law(
+            np.log(np.maximum(errors, SMALLEST)).ravel(),
+            np.log(held_out.deviations[:, kind]).ravel(),
+            weights,
+        )
+    made_true = Calibration(factors, powers).calibrated(held_out.deviations)
+    return Calibration(factors, powers, _correlation(held_out.errors / made_true))
 
 
-def _factors(scores: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(5,) by the ``scores`` (L, 5) of one light: errors in stated deviations."""
-    factors = np.quantile(np.abs(scores), HELD_SHARE, axis=0) / HALF_WIDTH
-    factors[:3] = np.quantile(np.abs(scores[:, :3]), HELD_SHARE) / HALF_WIDTH
-    return np.asarray(factors)
+def _power_law(
+    log_errors: NDArray[np.float64],
+    log_deviations: NDArray[np.float64],
+    weights: NDArray[np.float64],
+) -> tuple[float, float]:
+    """Factor and power of the deviation whose 90 % interval ends at the errors' quantile.
+
+    The tilted absolute loss is convex in both; for each power the best factor is a quantile.
+    """
+
+    def offset(power: float) -> float:
+        return _quantile(log_errors - power * log_deviations, weights)
+
+    def loss(power: float) -> float:
+        above = log_errors - power * log_deviations - offset(power)
+        tilted = np.where(above > 0.0, HELD_SHARE * above, (HELD_SHARE - 1.0) * above)
+        return float((weights * tilted).sum())
+
+    if np.ptp(log_deviations) == 0.0:
+        return float(np.exp(offset(1.0))) / HALF_WIDTH, 1.0
+    power = float(minimize_scalar(loss, bounds=POWERS, method="bounded").x)
+    return float(np.exp(offset(power))) / HALF_WIDTH, power
+
+
+def _quantile(values: NDArray[np.float64], weights: NDArray[np.float64]) -> float:
+    """The weighted quantile of :data:`HELD_SHARE`."""
+    order = np.argsort(values)
+    passed = np.cumsum(weights[order])
+    return float(values[order][np.searchsorted(passed, HELD_SHARE * passed[-1])])
+
+
+def _correlation(scores: NDArray[np.float64]) -> NDArray[np.float64]:
+    limited = np.clip(scores, -FARTHEST, FARTHEST)
+    moments = limited.T @ limited
+    deviations = np.sqrt(np.diag(moments))
+    return np.asarray(moments / np.outer(deviations, deviations))

@@ -12,11 +12,13 @@ import torch
 
 from reflest_core.brdf.gloss import ward_to_labcd
 from reflest_core.brdf.parameters import WardVariant
+from reflest_core.models.calibration import Calibration
 from reflest_core.models.lightnet import LightNet
 from reflest_core.models.normalisation import WARD_NAMES, ParameterStatistics
 from reflest_core.models.weights import WeightsCard, save_weights
 from reflest_core.training.light.ablation import check_parts
-from reflest_core.training.light.calibration import Calibration
+from reflest_core.training.light.calibration import fitted_calibration
+from reflest_core.training.light.held_out_errors import HeldOutErrors
 from reflest_core.training.light.light_batches import LightBatch, light_batches
 from reflest_core.training.light.light_data import LightData
 from reflest_core.training.light.likelihood import likelihood_loss
@@ -32,7 +34,8 @@ FIGURES = "held_out.json"
 class LightCourse:
     """A :class:`~reflest_core.training.course.Course` for ``lightnet``.
 
-    ``calibration``: another run's; without, it is found on the held-out looks, where there are any.
+    ``held_out``: what other trainings erred under lights that they held out, to calibrate on;
+    without, the own held-out looks serve, where there are any.
     """
 
     def __init__(
@@ -40,11 +43,11 @@ class LightCourse:
         recipe: Recipe,
         data: LightData,
         device: torch.device,
-        calibration: Calibration | None = None,
+        held_out: HeldOutErrors | None = None,
     ) -> None:
         check_parts(recipe.without)
         self.recipe, self.data, self.device = recipe, data, device
-        self.calibration = calibration
+        self.held_out = held_out
         ward = data.training.ward.astype(np.float64)
         labcd = np.stack([ward_to_labcd(one) for one in ward])
         self.both_statistics = {
@@ -82,30 +85,33 @@ class LightCourse:
         return self._measured(module, self.data.validation).criterion
 
     def save(self, best: Weights, folder: RunFolder) -> None:
-        """The weight file, calibrated, and its figures as :data:`FIGURES`."""
+        """The weight file, calibrated, its figures as :data:`FIGURES`, and held-out errors."""
         module = self.make()
         module.load_state_dict(best)
         module.eval()
         splits = {"validation": self._measured(module, self.data.validation)}
+        held_out = self.held_out
         if self.data.held_out is not None:
             splits["held_out"] = self._measured(module, self.data.held_out)
-        calibration = self.calibration or Calibration()
-        if self.calibration is None and "held_out" in splits:
-            calibration = Calibration.of(splits["held_out"])
-        described = {**self.recipe.describe(), "data": self.data.described}
+            held_out = HeldOutErrors.of(splits["held_out"])
+            held_out.save(folder.path)
+        calibration = Calibration() if held_out is None else fitted_calibration(held_out)
+        described = {
+            **self.recipe.describe(),
+            "data": self.data.described,
+            "calibrated_under": [] if held_out is None else held_out.lights,
+        }
         card = WeightsCard(
             "lightnet", "ward", WardVariant.WARD_1992, self.both_statistics, described,
-            calibration.factors, calibration.correlation,
+            calibration,
         )  # fmt: skip
         save_weights(folder.weights, best, card, eight_bit=False)
-        factors = calibration.factors
         figures = {
             "parameters": WARD_NAMES,
             "recipe": described,
-            "stddev_factors": factors.tolist(),
-            "splits": {
-                name: measured.figures(calibration.factors) for name, measured in splits.items()
-            },
+            "stddev_factors": calibration.factors.tolist(),
+            "stddev_powers": calibration.powers.tolist(),
+            "splits": {name: measured.figures(calibration) for name, measured in splits.items()},
         }
         (folder.path / FIGURES).write_text(json.dumps(figures, indent=1) + "\n")
 

@@ -12,6 +12,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from reflest_core.models.calibration import Calibration
 from reflest_core.models.normalisation import ParameterStatistics
 from reflest_core.models.predictor import LARGEST_LOG_VARIANCE
 from reflest_core.training.light.light_batches import whole_looks
@@ -94,13 +95,17 @@ class MeasuredLooks:
         ]
         return float(np.mean(rmses))
 
-    def figures(self, factors: Array) -> dict[str, Any]:
-        """JSON values for each number of views; intervals with ``factors`` applied."""
-        return {str(count): self.of_views(count)._figures(factors) for count in self.view_counts}
+    def figures(self, calibration: Calibration) -> dict[str, Any]:
+        """JSON values for each number of views; intervals as ``calibration`` makes them."""
+        return {
+            str(count): self.of_views(count)._figures(calibration) for count in self.view_counts
+        }
 
-    def _figures(self, factors: Array) -> dict[str, Any]:
+    def _figures(self, calibration: Calibration) -> dict[str, Any]:
         rmse = normalised_rmse(self.estimates, self.truths, self.statistics)
-        held = np.abs(self.estimates - self.truths) <= HALF_WIDTH * factors * self.deviations
+        usual = self.statistics.stddev
+        deviations = calibration.calibrated(self.deviations / usual) * usual
+        held = np.abs(self.estimates - self.truths) <= HALF_WIDTH * deviations
         return {
             "looks": len(self.truths),
             "rmse": rmse.overall,

@@ -13,12 +13,14 @@ from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.features.light.surface_shading import assumed_light
 from reflest_core.fusion.light_map import LightMap
+from reflest_core.models.calibration import Calibration
 from test.core.lit_surfaces import lit
 from test.core.surfaces import sphere_surface, without_observations
 from test.core.weight_files import USUAL, untrained_lightnet
 
 SURFACE = sphere_surface(colour=lambda direction, normal: (150, 120, 100))
-FACTORS = (2.0, 3.0, 4.0, 5.0, 6.0)
+FACTORS = np.array([2.0, 3.0, 4.0, 5.0, 6.0])
+POWERS = np.array([1.0, 1.1, 1.2, 0.9, 0.8])
 
 
 @pytest.fixture(scope="module")
@@ -54,9 +56,10 @@ def test_the_cards_calibration_is_applied(weights, tmp_path):
     alike = np.eye(5)
     alike[:3, :3] = 1.0
     plain = estimate(surface, weights)
-    scaled = estimate(surface, untrained_lightnet(tmp_path, FACTORS, alike))
+    scaled = estimate(surface, untrained_lightnet(tmp_path, Calibration(FACTORS, POWERS, alike)))
     assert scaled.rho_d == plain.rho_d
-    np.testing.assert_allclose(ward_stddev(scaled), ward_stddev(plain) * FACTORS)
+    made_true = FACTORS * (ward_stddev(plain) / USUAL.stddev) ** POWERS * USUAL.stddev
+    np.testing.assert_allclose(ward_stddev(scaled), made_true)
     ward = np.array([*plain.rho_d, plain.rho_s, plain.alpha])
     np.testing.assert_allclose(
         scaled.lab_stddev, labcd_stddev(ward, ward_stddev(scaled), alike)[:3]

@@ -9,6 +9,8 @@ import pytest
 
 from reflest_core.cli.main import main
 from reflest_core.models.weights import load_weights
+from reflest_core.training.light.calibration import fitted_calibration
+from reflest_core.training.light.held_out_errors import HeldOutErrors
 from test.core.training.scenes import write_synbrdf
 
 QUICK = [
@@ -73,22 +75,25 @@ def test_ninety_percent_intervals_hold_so_many_of_the_held_out_truths(held_out):
     kinds = np.array([held[:3].mean(), *held[3:]])
     assert np.all((kinds > 14.9 / 18) & (kinds <= 1.0))
     _, card, _ = load_weights(held_out / "lightnet.safetensors")
-    np.testing.assert_array_equal(card.stddev_factors, found["stddev_factors"])
-    assert np.all(card.stddev_factors > 0)
-    np.testing.assert_allclose(np.diag(card.error_correlation), 1.0)
-    assert np.linalg.eigvalsh(card.error_correlation).min() > -1e-9
-    assert card.recipe["hold_out"] == ["dim"]
+    np.testing.assert_array_equal(card.calibration.factors, found["stddev_factors"])
+    np.testing.assert_array_equal(card.calibration.powers, found["stddev_powers"])
+    assert np.all(card.calibration.factors > 0)
+    np.testing.assert_allclose(np.diag(card.calibration.correlation), 1.0)
+    assert np.linalg.eigvalsh(card.calibration.correlation).min() > -1e-9
+    assert card.recipe["hold_out"] == card.recipe["calibrated_under"] == ["dim"]
 
 
-def test_a_training_on_everything_takes_the_calibration_of_another(run, held_out, tmp_path):
-    weights = held_out / "lightnet.safetensors"
-    everything = run("--calibration", str(weights))
+def test_a_training_on_everything_is_calibrated_on_what_others_held_out(run, held_out):
+    other = run("--hold-out", "sunny")
+    everything = run("--calibration", str(held_out), str(other))
     assert figures(everything)["recipe"]["data"]["train_looks"] == 12 * 2
     assert list(figures(everything)["splits"]) == ["validation"]
     _, card, _ = load_weights(everything / "lightnet.safetensors")
-    _, known, _ = load_weights(weights)
-    np.testing.assert_array_equal(card.stddev_factors, known.stddev_factors)
-    np.testing.assert_array_equal(card.error_correlation, known.error_correlation)
+    joined = HeldOutErrors.joined([HeldOutErrors.read(held_out), HeldOutErrors.read(other)])
+    both = fitted_calibration(joined)
+    for name in ("factors", "powers", "correlation"):
+        np.testing.assert_array_equal(getattr(card.calibration, name), getattr(both, name))
+    assert card.recipe["calibrated_under"] == ["dim", "sunny"]
 
 
 def test_scenes_of_a_second_folder_are_trained_on_alone(data, shadings, run, tmp_path):
@@ -125,10 +130,9 @@ def test_what_cannot_be_is_refused(data, shadings, tmp_path, capsys, options, me
 
 
 def test_a_calibration_that_is_none_is_refused(data, run, tmp_path, capsys):
-    weights = run() / "lightnet.safetensors"
-    given = ["--out", str(tmp_path), "--calibration", str(weights)]
+    given = ["--out", str(tmp_path), "--calibration", str(run())]
     assert main(["train", str(data), *QUICK, *given]) == 2
-    assert "was not calibrated" in capsys.readouterr().err
+    assert "has no held_out_errors.npz" in capsys.readouterr().err
 
 
 def test_other_networks_have_none_of_its_options(data, tmp_path, capsys):
