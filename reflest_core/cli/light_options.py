@@ -85,13 +85,13 @@ def light_course(
 ) -> LightCourse:
     """Shade what is missing, in the first process, and load it."""
     from reflest_core.training.light.ablation import check_parts
-    from reflest_core.training.light.held_out_errors import HeldOutErrors
     from reflest_core.training.light.light_course import LightCourse
     from reflest_core.training.light.light_data import ShadingPlace, load_light_data
+    from reflest_core.training.light.measured_looks import MeasuredLooks
 
     check_parts(recipe.without)
-    measured = [HeldOutErrors.read(folder) for folder in arguments.calibration or ()]
-    held_out = HeldOutErrors.joined(measured) if measured else None
+    measured = [MeasuredLooks.read(folder) for folder in arguments.calibration or ()]
+    held_out = MeasuredLooks.joined(measured) if measured else None
     jobs = arguments.jobs or os.cpu_count() or 1
     place = ShadingPlace(arguments.shadings or arguments.out / "shadings", jobs)
     with processes.first_alone():

@@ -25,17 +25,21 @@ class NormalisedRmse:
     scene_median: float
     scene_p95: float
 
+    @staticmethod
+    def of(errors: NDArray[np.float64]) -> NormalisedRmse:
+        """Of (S, 5) errors of z-scored parameters."""
+        scenes = np.sqrt((errors**2).mean(axis=1))
+        return NormalisedRmse(
+            overall=float(np.sqrt((errors**2).mean())),
+            per_parameter=np.sqrt((errors**2).mean(axis=0)),
+            scene_mean=float(scenes.mean()),
+            scene_median=float(np.median(scenes)),
+            scene_p95=float(np.percentile(scenes, 95)),
+        )
+
 
 def normalised_rmse(
     estimates: NDArray[np.float64], truths: NDArray[np.float64], statistics: ParameterStatistics
 ) -> NormalisedRmse:
     """Of (S, 5) estimates against truths, z-scored with the *training* set's statistics."""
-    errors = statistics.normalise(estimates) - statistics.normalise(truths)
-    scenes = np.sqrt((errors**2).mean(axis=1))
-    return NormalisedRmse(
-        overall=float(np.sqrt((errors**2).mean())),
-        per_parameter=np.sqrt((errors**2).mean(axis=0)),
-        scene_mean=float(scenes.mean()),
-        scene_median=float(np.median(scenes)),
-        scene_p95=float(np.percentile(scenes, 95)),
-    )
+    return NormalisedRmse.of(statistics.normalise(estimates) - statistics.normalise(truths))

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from reflest_core.models.calibration import Calibration
-from reflest_core.training.light.held_out_errors import HeldOutErrors
-from reflest_core.training.light.measured_looks import HALF_WIDTH, HELD_SHARE
+from reflest_core.training.light.measured_looks import HALF_WIDTH, HELD_SHARE, MeasuredLooks
 
 KINDS = (slice(0, 3), slice(3, 4), slice(4, 5))
 """The channels of ``rho_d``, which pass the same weights and so share their calibration: which of
@@ -24,7 +23,7 @@ FARTHEST = 3.0
 """Errors of more standard deviations than this count as this many in the correlation."""
 
 
-def fitted_calibration(held_out: HeldOutErrors) -> Calibration:
+def fitted_calibration(held_out: MeasuredLooks) -> Calibration:
     """Such that 90 % intervals hold 90 % of the held-out truths, where it is sure and where not.
 
     The 0.9-quantile of the errors as a power law of the stated deviations, by quantile regression

@@ -18,17 +18,18 @@ from reflest_core.models.normalisation import WARD_NAMES, ParameterStatistics
 from reflest_core.models.weights import WeightsCard, save_weights
 from reflest_core.training.light.ablation import check_parts
 from reflest_core.training.light.calibration import fitted_calibration
-from reflest_core.training.light.held_out_errors import HeldOutErrors
 from reflest_core.training.light.light_batches import LightBatch, light_batches
 from reflest_core.training.light.light_data import LightData
 from reflest_core.training.light.likelihood import likelihood_loss
 from reflest_core.training.light.measured_looks import MeasuredLooks
+from reflest_core.training.light.measuring import measured
 from reflest_core.training.light.shadings import Shadings
 from reflest_core.training.recipe import Recipe
 from reflest_core.training.run_folder import RunFolder
 from reflest_core.training.weight_average import Weights
 
 FIGURES = "held_out.json"
+"""Errors and intervals on validation and under the lights held out, by this training or others."""
 
 
 class LightCourse:
@@ -43,7 +44,7 @@ class LightCourse:
         recipe: Recipe,
         data: LightData,
         device: torch.device,
-        held_out: HeldOutErrors | None = None,
+        held_out: MeasuredLooks | None = None,
     ) -> None:
         check_parts(recipe.without)
         self.recipe, self.data, self.device = recipe, data, device
@@ -85,16 +86,17 @@ class LightCourse:
         return self._measured(module, self.data.validation).criterion
 
     def save(self, best: Weights, folder: RunFolder) -> None:
-        """The weight file, calibrated, its figures as :data:`FIGURES`, and held-out errors."""
+        """The weight file, calibrated; its figures; and what it measured under held-out light."""
         module = self.make()
         module.load_state_dict(best)
         module.eval()
         splits = {"validation": self._measured(module, self.data.validation)}
         held_out = self.held_out
         if self.data.held_out is not None:
-            splits["held_out"] = self._measured(module, self.data.held_out)
-            held_out = HeldOutErrors.of(splits["held_out"])
+            held_out = self._measured(module, self.data.held_out)
             held_out.save(folder.path)
+        if held_out is not None:
+            splits["held_out"] = held_out
         calibration = Calibration() if held_out is None else fitted_calibration(held_out)
         described = {
             **self.recipe.describe(),
@@ -111,9 +113,9 @@ class LightCourse:
             "recipe": described,
             "stddev_factors": calibration.factors.tolist(),
             "stddev_powers": calibration.powers.tolist(),
-            "splits": {name: measured.figures(calibration) for name, measured in splits.items()},
+            "splits": {name: looks.figures(calibration) for name, looks in splits.items()},
         }
         (folder.path / FIGURES).write_text(json.dumps(figures, indent=1) + "\n")
 
     def _measured(self, module: torch.nn.Module, looks: Shadings) -> MeasuredLooks:
-        return MeasuredLooks.of(module, looks, self.statistics, self.recipe.without, self.device)
+        return measured(module, looks, self.statistics, self.recipe.without, self.device)

@@ -1,86 +1,74 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What a ``lightnet`` says of looks, beside the truth: errors, and whether its intervals hold."""
+"""How far estimates of looks are off, and whether the intervals that they state hold.
+
+Kept beside the weights that made them, trainings that hold out different lights are measured and
+calibrated together: each light by weights that never saw it.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import os
+import zipfile
+from dataclasses import dataclass, fields
+from pathlib import Path
 from statistics import NormalDist
 from typing import Any
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
 
 from reflest_core.models.calibration import Calibration
-from reflest_core.models.normalisation import ParameterStatistics
-from reflest_core.models.predictor import LARGEST_LOG_VARIANCE
-from reflest_core.training.light.light_batches import whole_looks
-from reflest_core.training.light.shadings import Shadings
-from reflest_core.training.metrics import normalised_rmse
+from reflest_core.training.metrics import NormalisedRmse
+from reflest_core.training.sample import TrainingError
 
-AT_ONCE = 64
 HELD_SHARE = 0.9
 HALF_WIDTH = NormalDist().inv_cdf(0.5 + HELD_SHARE / 2)
 """Of the interval that holds so much of a normal distribution, in standard deviations."""
-
-Array = NDArray[np.float64]
+HELD_OUT = "held_out.npz"
+"""What a training measured under the lights that it held out."""
 
 
 @dataclass(frozen=True)
 class MeasuredLooks:
-    """Ward parameters (L, 5) as ``estimates``, with ``deviations``, and as ``truths``.
+    """``errors`` (L, 5) and ``deviations`` (L, 5) as stated, of z-scored Ward parameters.
 
     ``views``: (L,), how many each look has. ``environments``: (L,) names of their lights.
-    ``statistics``: the training set's.
     """
 
-    estimates: Array
-    deviations: Array
-    truths: Array
+    errors: NDArray[np.float64]
+    deviations: NDArray[np.float64]
     views: NDArray[np.int64]
     environments: NDArray[np.str_]
-    statistics: ParameterStatistics
 
     @staticmethod
-    def of(
-        module: torch.nn.Module,
-        looks: Shadings,
-        statistics: ParameterStatistics,
-        without: tuple[str, ...],
-        device: torch.device,
-    ) -> MeasuredLooks:
-        """Estimate from every look, in float32."""
-        means, log_variances = [], []
-        for start in range(0, len(looks), AT_ONCE):
-            rows = np.arange(start, min(start + AT_ONCE, len(looks)))
-            look = {n: tensor.to(device) for n, tensor in whole_looks(looks, rows, without).items()}
-            with torch.inference_mode():
-                mean, log_variance = module(**look)
-            means.append(mean.double().cpu().numpy())
-            log_variances.append(log_variance.double().cpu().numpy())
-        logs = np.minimum(np.concatenate(log_variances), LARGEST_LOG_VARIANCE)
+    def joined(some: list[MeasuredLooks]) -> MeasuredLooks:
+        """All looks of ``some``."""
         return MeasuredLooks(
-            statistics.restore(np.concatenate(means)),
-            np.exp(0.5 * logs) * statistics.stddev,
-            looks.ward.astype(np.float64),
-            looks.views,
-            looks.environment,
-            statistics,
+            *(
+                np.concatenate([getattr(one, field.name) for one in some])
+                for field in fields(MeasuredLooks)
+            )
         )
 
-    def of_views(self, views: int) -> MeasuredLooks:
-        """Only the looks with so many views."""
-        some = self.views == views
-        return MeasuredLooks(
-            self.estimates[some], self.deviations[some], self.truths[some], self.views[some],
-            self.environments[some], self.statistics,
-        )  # fmt: skip
+    def where(self, is_wanted: NDArray[np.bool_]) -> MeasuredLooks:
+        """Only some looks, by a mask (L,)."""
+        return MeasuredLooks(*(getattr(self, field.name)[is_wanted] for field in fields(self)))
 
     @property
     def view_counts(self) -> list[int]:
         """The numbers of views, most first."""
         return sorted({int(count) for count in self.views}, reverse=True)
+
+    @property
+    def lights(self) -> list[str]:
+        """Names of the lights, sorted."""
+        return sorted({str(name) for name in self.environments})
+
+    def light_weights(self) -> NDArray[np.float64]:
+        """(L,) such that every light weighs 1."""
+        _, light, counts = np.unique(self.environments, return_inverse=True, return_counts=True)
+        return np.asarray(1.0 / counts[light])
 
     @property
     def criterion(self) -> float:
@@ -89,29 +77,56 @@ class MeasuredLooks:
         So looks with many views, whose errors are small, say as much as those with few: squares of
         all together would hear the few above all.
         """
-        rmses = [
-            normalised_rmse(some.estimates, some.truths, self.statistics).overall
-            for some in map(self.of_views, self.view_counts)
-        ]
-        return float(np.mean(rmses))
+        by_views = [self.where(self.views == count) for count in self.view_counts]
+        return float(np.mean([NormalisedRmse.of(some.errors).overall for some in by_views]))
 
     def figures(self, calibration: Calibration) -> dict[str, Any]:
         """JSON values for each number of views; intervals as ``calibration`` makes them."""
         return {
-            str(count): self.of_views(count)._figures(calibration) for count in self.view_counts
+            str(count): self.where(self.views == count)._figures(calibration)
+            for count in self.view_counts
         }
 
     def _figures(self, calibration: Calibration) -> dict[str, Any]:
-        rmse = normalised_rmse(self.estimates, self.truths, self.statistics)
-        usual = self.statistics.stddev
-        deviations = calibration.calibrated(self.deviations / usual) * usual
-        held = np.abs(self.estimates - self.truths) <= HALF_WIDTH * deviations
+        rmse = NormalisedRmse.of(self.errors)
+        held = np.abs(self.errors) <= HALF_WIDTH * calibration.calibrated(self.deviations)
         return {
-            "looks": len(self.truths),
+            "looks": len(self.errors),
             "rmse": rmse.overall,
             "rmse_per_parameter": rmse.per_parameter.tolist(),
             "mean_rmse_of_parameters": float(rmse.per_parameter.mean()),
             "scene_median": rmse.scene_median,
             "scene_p95": rmse.scene_p95,
             "held_by_90_percent_intervals": held.mean(axis=0).tolist(),
+            "rmse_by_light": {
+                light: NormalisedRmse.of(self.errors[self.environments == light]).overall
+                for light in self.lights
+            },
         }
+
+    def save(self, folder: Path) -> None:
+        """Write :data:`HELD_OUT` into a training's ``folder``, atomically."""
+        temporary = folder / f"{HELD_OUT}.partial"
+        with temporary.open("wb") as file:
+            np.savez_compressed(
+                file, **{field.name: getattr(self, field.name) for field in fields(self)}
+            )
+        os.replace(temporary, folder / HELD_OUT)
+
+    @staticmethod
+    def read(folder: Path) -> MeasuredLooks:
+        """Those of a training in ``folder``; :class:`TrainingError` where there are none."""
+        path = folder / HELD_OUT
+        if not path.is_file():
+            raise TrainingError(
+                f"{folder} has no {HELD_OUT}; give --calibration the folders of trainings of "
+                "lightnet with --hold-out"
+            )
+        try:
+            with np.load(path) as stored:
+                return MeasuredLooks(*(stored[field.name] for field in fields(MeasuredLooks)))
+        except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+            raise TrainingError(
+                f"{path} is damaged ({error}); delete it and the weights beside it, and run that "
+                "training's command again"
+            ) from error

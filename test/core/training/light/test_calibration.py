@@ -5,21 +5,25 @@
 import numpy as np
 import pytest
 
+from reflest_core.models.calibration import Calibration
 from reflest_core.training.light.calibration import fitted_calibration
-from reflest_core.training.light.held_out_errors import FILE, HeldOutErrors
-from reflest_core.training.light.measured_looks import HALF_WIDTH
+from reflest_core.training.light.measured_looks import HALF_WIDTH, HELD_OUT, MeasuredLooks
 from reflest_core.training.sample import TrainingError
 
 
 def erring(errors, deviations=None, environments=None):
     """Looks that err so, all of them under one light or under ``environments``."""
     count = len(errors)
-    return HeldOutErrors(
+    return MeasuredLooks(
         errors,
         np.ones((count, 5)) if deviations is None else deviations,
         np.full(count, 100),
         np.full(count, "room") if environments is None else environments,
     )
+
+
+def rms(errors):
+    return np.sqrt((errors**2).mean())
 
 
 def test_every_light_counts_alike():
@@ -89,16 +93,21 @@ def test_what_was_held_out_comes_back_joined(tmp_path):
         rng = np.random.default_rng(k)
         one = erring(rng.normal(size=(3, 5)), rng.uniform(0.1, 1, (3, 5)), np.full(3, name))
         one.save(folder)
-        some.append(HeldOutErrors.read(folder))
+        some.append(MeasuredLooks.read(folder))
         np.testing.assert_array_equal(some[-1].errors, one.errors)
         np.testing.assert_array_equal(some[-1].deviations, one.deviations)
-    joined = HeldOutErrors.joined(some)
+    joined = MeasuredLooks.joined(some)
     np.testing.assert_array_equal(joined.errors[3:], some[1].errors)
     assert joined.lights == ["dim", "noon"]
     assert joined.environments.tolist() == ["dim"] * 3 + ["noon"] * 3
+    by_light = joined.figures(Calibration())["100"]["rmse_by_light"]
+    assert by_light == {
+        "dim": pytest.approx(rms(some[0].errors)),
+        "noon": pytest.approx(rms(some[1].errors)),
+    }
 
 
 def test_a_damaged_file_is_named(tmp_path):
-    (tmp_path / FILE).write_bytes(b"PK no archive")
-    with pytest.raises(TrainingError, match=f"{FILE} is damaged"):
-        HeldOutErrors.read(tmp_path)
+    (tmp_path / HELD_OUT).write_bytes(b"PK no archive")
+    with pytest.raises(TrainingError, match=f"{HELD_OUT} is damaged"):
+        MeasuredLooks.read(tmp_path)

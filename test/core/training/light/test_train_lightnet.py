@@ -10,7 +10,7 @@ import pytest
 from reflest_core.cli.main import main
 from reflest_core.models.weights import load_weights
 from reflest_core.training.light.calibration import fitted_calibration
-from reflest_core.training.light.held_out_errors import HeldOutErrors
+from reflest_core.training.light.measured_looks import MeasuredLooks
 from test.core.training.scenes import write_synbrdf
 
 QUICK = [
@@ -87,9 +87,13 @@ def test_a_training_on_everything_is_calibrated_on_what_others_held_out(run, hel
     other = run("--hold-out", "sunny")
     everything = run("--calibration", str(held_out), str(other))
     assert figures(everything)["recipe"]["data"]["train_looks"] == 12 * 2
-    assert list(figures(everything)["splits"]) == ["validation"]
+    lights = figures(everything)["splits"]["held_out"]["100"]["rmse_by_light"]
+    assert lights == {
+        **figures(held_out)["splits"]["held_out"]["100"]["rmse_by_light"],
+        **figures(other)["splits"]["held_out"]["100"]["rmse_by_light"],
+    }
     _, card, _ = load_weights(everything / "lightnet.safetensors")
-    joined = HeldOutErrors.joined([HeldOutErrors.read(held_out), HeldOutErrors.read(other)])
+    joined = MeasuredLooks.joined([MeasuredLooks.read(held_out), MeasuredLooks.read(other)])
     both = fitted_calibration(joined)
     for name in ("factors", "powers", "correlation"):
         np.testing.assert_array_equal(getattr(card.calibration, name), getattr(both, name))
@@ -132,7 +136,7 @@ def test_what_cannot_be_is_refused(data, shadings, tmp_path, capsys, options, me
 def test_a_calibration_that_is_none_is_refused(data, run, tmp_path, capsys):
     given = ["--out", str(tmp_path), "--calibration", str(run())]
     assert main(["train", str(data), *QUICK, *given]) == 2
-    assert "has no held_out_errors.npz" in capsys.readouterr().err
+    assert "has no held_out.npz" in capsys.readouterr().err
 
 
 def test_other_networks_have_none_of_its_options(data, tmp_path, capsys):
