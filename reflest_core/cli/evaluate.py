@@ -11,8 +11,9 @@ from typing import Any
 from reflest_core.parameter import ParameterError
 
 ALL_PARTS = (
-    "table-2", "views", "look-around", "calibration", "failures", "ablation", "realism",
-    "realism-training", "latency", "time-accuracy", "eight-bit", "baselines", "perception", "quick",
+    "table-2", "views", "look-around", "calibration", "held-out-lights", "failures", "ablation",
+    "realism", "realism-training", "latency", "time-accuracy", "eight-bit", "baselines",
+    "perception", "quick",
 )  # fmt: skip
 
 OPTIMISED = 8
@@ -36,7 +37,7 @@ def add_parser(subparsers: Any) -> None:
         "--parts", nargs="*", choices=ALL_PARTS, metavar="PART",
         help=f"which to measure, of {', '.join(ALL_PARTS)}; none: write the page alone; default: "
         "all, but ablation only with --ablation, realism-training with --unhardened, look-around "
-        "with --environments",
+        "with --environments, held-out-lights with --held-out",
     )  # fmt: skip
     parser.add_argument(
         "--runs", type=Path, help="folder of trained variants; default: the shipped weights"
@@ -61,6 +62,10 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument(
         "--unhardened", type=Path, metavar="FOLDER",
         help="variants trained without --realism, to compare with those of --runs",
+    )  # fmt: skip
+    parser.add_argument(
+        "--held-out", type=Path, nargs="+", metavar="RUN", default=[],
+        help="trainings of lightnet, each with --hold-out and other environments",
     )  # fmt: skip
     parser.add_argument(
         "--realism", nargs="*", metavar="EFFECT", help="give scenes the faults of a real capture"
@@ -91,6 +96,7 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.ablation,
         arguments.meshes,
         arguments.unhardened,
+        tuple(arguments.held_out),
     )
     study = Study(settings)
     wanted = _wanted(arguments)
@@ -109,6 +115,7 @@ def _wanted(arguments: argparse.Namespace) -> list[str]:
         "ablation": arguments.ablation,
         "realism-training": arguments.unhardened,
         "look-around": arguments.environments,
+        "held-out-lights": arguments.held_out,
     }
     return [part for part in ALL_PARTS if given.get(part, True)]
 
@@ -136,6 +143,8 @@ def _command(arguments: argparse.Namespace) -> str:
         words.append("--ablation ABLATION")
     if arguments.unhardened:
         words.append("--unhardened UNHARDENED")
+    if arguments.held_out:
+        words.append("--held-out RUN...")
     if arguments.environments:
         words.append("--environments ENVIRONMENTS")
     if arguments.meshes:

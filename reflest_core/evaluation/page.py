@@ -16,7 +16,7 @@ from reflest_core.evaluation.plots import (
     draw_views,
 )
 from reflest_core.evaluation.record_file import read_record
-from reflest_core.evaluation.sections import buys, cost, rivals, tables, trust, views
+from reflest_core.evaluation.sections import buys, cost, held_out, rivals, tables, trust, views
 from reflest_core.evaluation.sections.cells import Lines, Record
 
 SECTIONS: dict[str, Callable[[Record], Lines]] = {
@@ -25,6 +25,7 @@ SECTIONS: dict[str, Callable[[Record], Lines]] = {
     "views": views.views,
     "look-around": views.look_around,
     "calibration": trust.calibration,
+    "held-out-lights": held_out.held_out_lights,
     "failures": trust.failures,
     "ablation": buys.ablation,
     "realism": buys.realism,

@@ -29,6 +29,7 @@ from reflest_core.evaluation.failure_pictures import (
     thumbnail_picture,
 )
 from reflest_core.evaluation.failures import find_failures
+from reflest_core.evaluation.held_out_lights import measure_held_out_lights
 from reflest_core.evaluation.look_around_study import measure_look_around
 from reflest_core.evaluation.perception import measure_perception
 from reflest_core.evaluation.quick_check import write_expected
@@ -99,6 +100,15 @@ def _calibration(study: Study) -> Figures:
         made, statistics = _lightnets(study, split)
         measured[split] = measure_calibration(made, samples, statistics)
     return {"splits": measured}
+
+
+def _held_out_lights(study: Study) -> Figures:
+    folders = study.settings.held_out
+    if not folders:
+        raise EvaluationError(
+            "part held-out-lights needs --held-out RUN..., trainings of lightnet with --hold-out"
+        )
+    return measure_held_out_lights(folders)
 
 
 def _failures(study: Study) -> Figures:
@@ -178,6 +188,7 @@ PARTS: dict[str, Callable[[Study], Figures]] = {
     "views": lambda study: measure_views(study.contenders, study.scenes),
     "look-around": _look_around,
     "calibration": _calibration,
+    "held-out-lights": _held_out_lights,
     "failures": _failures,
     "ablation": _ablation,
     "realism": _realism,

@@ -20,7 +20,8 @@ class StudySettings:
     each split. ``optimised``: scenes of each split that the single-image optimiser gets.
     ``degradation``: faults that all scenes get. ``ablation``: a folder of lightnets trained with
     one thing left out each. ``unhardened``: a folder of variants trained without
-    the faults of a real capture.
+    the faults of a real capture. ``held_out``: folders of lightnets trained by one recipe, each
+    without other environments.
     """
 
     data: Path
@@ -34,3 +35,4 @@ class StudySettings:
     ablation: Path | None = None
     meshes: Path | None = None
     unhardened: Path | None = None
+    held_out: tuple[Path, ...] = ()

@@ -41,7 +41,8 @@ def out(data, runs, unhardened, tmp_path_factory):
         patch.setattr(parts, "LOOKED_AT", 3)
         patch.setattr(parts, "FEW_SCENES", 3)
         patch.setattr(view_study, "VIEW_COUNTS", (5, 20, 30))
-        wanted = [part for part in parts.PARTS if part not in ("quick", "ablation", "look-around")]
+        elsewhere = ("quick", "ablation", "look-around", "held-out-lights")
+        wanted = [part for part in parts.PARTS if part not in elsewhere]
         options = ["--out", str(folder), "--runs", str(runs), "--unhardened", str(unhardened)]
         options += ["--optimised", "2"]
         assert main(["evaluate", str(data), *options, "--parts", *wanted]) == 0

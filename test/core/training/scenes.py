@@ -25,19 +25,25 @@ def learnable_samples(count, seed):
     return samples
 
 
-def write_synbrdf(folder, **counts):
-    """A data folder with so many learnable scenes of each split."""
+LIGHTS = ("sunny", "dim")
+
+
+def write_synbrdf(folder, lights=LIGHTS, **counts):
+    """A data folder with so many learnable scenes of each split, under ``lights`` in turn."""
     folder.mkdir(parents=True, exist_ok=True)
-    described = {"seed": 7, "environments": ["sunny", "dim"], "meshes": []}
+    described = {"seed": 7, "environments": list(LIGHTS), "meshes": []}
     (folder / MANIFEST).write_text(json.dumps(described))
     for number, (split, count) in enumerate(counts.items()):
         samples = learnable_samples(count, number)
-        scenes = [stored_scene(sample, split, index) for index, sample in enumerate(samples)]
+        scenes = [
+            stored_scene(sample, split, index, lights[index % len(lights)])
+            for index, sample in enumerate(samples)
+        ]
         save_shard(folder / f"{split}-00000.safetensors", scenes)
     return folder
 
 
-def stored_scene(sample, split, index):
+def stored_scene(sample, split, index, environment="sunny"):
     centres = sample.surface.view_centres.astype(np.float64)
     poses = np.stack([look_at(centre, np.zeros(3)) for centre in centres])
     views = len(centres)
@@ -46,7 +52,7 @@ def stored_scene(sample, split, index):
         truth=WardParameters(tuple(sample.ward[:3].tolist()), *sample.ward[3:].tolist()),
         split=split,
         index=index,
-        environment=("sunny", "dim")[index % 2],
+        environment=environment,
         environment_rotation=0.0,
         shape="sphere",
         view_pattern="sphere",

@@ -65,6 +65,15 @@ def test_held_out_light_is_neither_trained_on_nor_validated_by_but_measured(held
             assert measured["rmse"] == pytest.approx(np.sqrt(per_parameter))
 
 
+def test_held_out_light_is_in_no_mixture_relit_scene_or_window_either(data, shadings, tmp_path):
+    lights = ("diverse+sunny+dim", "relit+dim", "room+dim", "dim+sunny", "relit+sunny")
+    other = write_synbrdf(tmp_path / "mixed", lights=lights, train=10)
+    out = tmp_path / "run"
+    where = ["--out", str(out), "--shadings", str(shadings), "--hold-out", "dim"]
+    assert main(["train", str(data), str(other), *QUICK, *where]) == 0
+    assert figures(out)["recipe"]["data"]["train_looks"] == (6 + 2) * 2
+
+
 def test_ninety_percent_intervals_hold_so_many_of_the_held_out_truths(held_out):
     found = figures(held_out)
     views = found["splits"]["held_out"].values()
