@@ -17,7 +17,7 @@ from reflest_core.fusion.octahedral import octahedral_directions
 from reflest_core.models.normalisation import ParameterStatistics
 from reflest_core.training.sample import Sample
 from test.core.surfaces import sphere_surface
-from test.core.training.scenes import learnable_samples, stored_scene
+from test.core.training.scenes import LIGHTS, learnable_samples, stored_scene
 
 STATISTICS = ParameterStatistics(np.full(5, 0.3), np.array([0.2, 0.2, 0.2, 0.3, 0.05]))
 WARD = np.array([0.2, 0.4, 0.6, 0.1, 0.1])
@@ -69,7 +69,8 @@ def test_a_scene_is_unusual_only_in_the_worst_tenth():
 
 def test_the_worst_come_first_with_reasons_that_follow_from_the_figures():
     scenes = [
-        stored_scene(sample, "unseen", k) for k, sample in enumerate(learnable_samples(14, seed=3))
+        stored_scene(sample, "unseen", k, LIGHTS[k % 2])
+        for k, sample in enumerate(learnable_samples(14, seed=3))
     ]
     samples = [shown(scene) for scene in scenes]
     wards = np.stack([sample.ward for sample in samples])
