@@ -62,10 +62,6 @@ def _figures(
     some = together.where(chosen)
     rmse = NormalisedRmse.of(some.errors)
     squared, lights = some.errors**2, some.environments.tolist()
-    by_light = {
-        light: NormalisedRmse.of(some.errors[some.environments == light]).overall
-        for light in some.lights
-    }
     return {
         "looks": len(some.errors),
         "rmse": rmse.overall,
@@ -82,5 +78,5 @@ def _figures(
             ]
             for k in range(5)
         ],
-        "by_light": dict(sorted(by_light.items(), key=lambda pair: pair[1])),
+        "by_light": some.rmse_by_light(),
     }

@@ -97,7 +97,7 @@ def load_environment(source: EnvironmentSource, height: int = 128) -> NDArray[np
     return resample(radiance, height)
 
 
-def load_all(sources: Sequence[EnvironmentSource]) -> dict[str, NDArray[np.float32]]:
+def load_environments(sources: Sequence[EnvironmentSource]) -> dict[str, NDArray[np.float32]]:
     """Each by its name, as :func:`load_environment` returns it."""
     return {source.name: load_environment(source) for source in sources}
 

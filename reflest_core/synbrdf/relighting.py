@@ -16,7 +16,7 @@ from tqdm import tqdm
 
 from reflest_core.errors import ReflestError
 from reflest_core.synbrdf.data_folder import begin_manifest, read_manifest
-from reflest_core.synbrdf.environments import EnvironmentSource, load_all
+from reflest_core.synbrdf.environments import EnvironmentSource, load_environments
 from reflest_core.synbrdf.generation import Generation
 from reflest_core.synbrdf.relit_scene import NATURAL_SHARE, drawn_anew, is_relightable
 from reflest_core.synbrdf.scene_file import (
@@ -133,7 +133,7 @@ def relit_agreed(
     """
     if source_fingerprint() != code:
         raise WorkerError("a worker has another code: install the same reflest on every machine")
-    maps = load_all(lights)
+    maps = load_environments(lights)
     seed = int(read_manifest(task.shard.parent)["seed"])
     relit = []
     for scene in load_shard(task.shard):

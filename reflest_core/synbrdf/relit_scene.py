@@ -67,7 +67,7 @@ def drawn_anew(
     rng: np.random.Generator,
     natural_share: float = NATURAL_SHARE,
 ) -> SynbrdfScene:
-    """``scene`` with another material, and another light made of ``maps`` (H, 2 H, 3)."""
+    """``scene`` with another material, and another light made of ``maps`` (H, 2 H, 3), by name."""
     if rng.uniform() < natural_share:
         name = list(maps)[int(rng.integers(len(maps)))]
         light = rotated(maps[name], float(rng.uniform(0.0, 2.0 * np.pi)))

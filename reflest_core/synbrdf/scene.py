@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.parameters import WardParameters
-from reflest_core.synbrdf.environments import load_all, load_environment, rotated
+from reflest_core.synbrdf.environments import load_environment, load_environments, rotated
 from reflest_core.synbrdf.light_diversity import draw_diverse_light
 from reflest_core.synbrdf.materials import draw_material
 from reflest_core.synbrdf.room.draw import draw_room
@@ -91,7 +91,7 @@ def draw_scene(
     material = draw_material(rng)
     mesh, shape = _draw_shape(rng, sources)
     if is_diverse:
-        drawn = draw_diverse_light(rng, load_all(sources.environments))
+        drawn = draw_diverse_light(rng, load_environments(sources.environments))
         light = Light("+".join((DIVERSE, *drawn.natural)), 0.0, drawn.radiance)
     else:
         light = _draw_light(rng, sources, vary=split is Split.TRAIN)

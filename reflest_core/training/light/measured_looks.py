@@ -98,11 +98,16 @@ class MeasuredLooks:
             "scene_median": rmse.scene_median,
             "scene_p95": rmse.scene_p95,
             "held_by_90_percent_intervals": held.mean(axis=0).tolist(),
-            "rmse_by_light": {
-                light: NormalisedRmse.of(self.errors[self.environments == light]).overall
-                for light in self.lights
-            },
+            "rmse_by_light": self.rmse_by_light(),
         }
+
+    def rmse_by_light(self) -> dict[str, float]:
+        """The normalised RMSE under each light, the smallest first."""
+        found = {
+            light: NormalisedRmse.of(self.errors[self.environments == light]).overall
+            for light in self.lights
+        }
+        return dict(sorted(found.items(), key=lambda pair: pair[1]))
 
     def save(self, folder: Path) -> None:
         """Write :data:`HELD_OUT` into a training's ``folder``, atomically."""
@@ -119,14 +124,14 @@ class MeasuredLooks:
         path = folder / HELD_OUT
         if not path.is_file():
             raise TrainingError(
-                f"{folder} has no {HELD_OUT}; give --calibration the folders of trainings of "
-                "lightnet with --hold-out"
+                f"{folder} has no {HELD_OUT}: it is no finished training of lightnet with "
+                "--hold-out; give folders of such trainings"
             )
         try:
             with np.load(path) as stored:
                 return MeasuredLooks(*(stored[field.name] for field in fields(MeasuredLooks)))
         except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
             raise TrainingError(
-                f"{path} is damaged ({error}); delete it and the weights beside it, and run that "
-                "training's command again"
+                f"{path} is damaged ({error}); run that training's command again, which writes it "
+                "anew"
             ) from error

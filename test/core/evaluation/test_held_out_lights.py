@@ -5,6 +5,7 @@
 import numpy as np
 import pytest
 
+from reflest_core.cli.main import main
 from reflest_core.evaluation.contenders import EvaluationError
 from reflest_core.evaluation.held_out_lights import measure_held_out_lights
 from reflest_core.evaluation.sections.held_out import held_out_lights
@@ -45,6 +46,20 @@ def test_each_is_measured_by_itself_and_calibrated_by_the_others(tmp_path):
     page = "\n".join(held_out_lights(record))
     assert f"dawn {found['by_light']['dawn']:.2f}" in page
     assert f"{100 * found['inside'][0]:.0f}" in page
+
+
+def test_the_command_puts_them_on_the_page(data, tmp_path, capsys):
+    training(tmp_path / "a", 1.0, ["dim"])
+    training(tmp_path / "b", 2.0, ["dawn"])
+    out, part = ["--out", str(tmp_path / "out")], ["--parts", "held-out-lights"]
+    assert main(["evaluate", str(data), *out, *part]) == 2
+    assert "needs --held-out RUN..." in capsys.readouterr().err
+    given = ["--held-out", str(tmp_path / "a"), str(tmp_path / "b")]
+    assert main(["evaluate", str(data), *out, *given, *part]) == 0
+    page = (tmp_path / "out" / "index.md").read_text()
+    assert "Under every light of training" in page
+    assert ", dawn " in page
+    assert "--held-out RUN..." in page
 
 
 def test_one_training_or_one_light_twice_is_refused(tmp_path):

@@ -145,7 +145,7 @@ def test_what_cannot_be_is_refused(data, shadings, tmp_path, capsys, options, me
 def test_a_calibration_that_is_none_is_refused(data, run, tmp_path, capsys):
     given = ["--out", str(tmp_path), "--calibration", str(run())]
     assert main(["train", str(data), *QUICK, *given]) == 2
-    assert "has no held_out.npz" in capsys.readouterr().err
+    assert "has no held_out.npz: it is no finished training" in capsys.readouterr().err
 
 
 def test_other_networks_have_none_of_its_options(data, tmp_path, capsys):
