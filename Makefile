@@ -61,8 +61,11 @@ $(VENV)/interfaces.stamp: $(INTERFACES) | $(VENV)/run.stamp
 
 # Numba keeps what it compiles beside the sources, and does not notice when a kernel changes that it
 # compiled into another file's: half of it old, that one may never return.
-$(VENV)/kernels.stamp: reflest_core/jit.py $(foreach stage,capture fusion features features/light \
-		models,$(wildcard reflest_core/$(stage)/*.py)) | $(VENV)/interfaces.stamp
+LIVE_STAGES := light surface capture fusion inference segmentation models
+LIVE_SOURCES := reflest_core/jit.py $(foreach stage,$(LIVE_STAGES),\
+	$(wildcard reflest_core/$(stage)/*.py reflest_core/$(stage)/*/*.py))
+
+$(VENV)/kernels.stamp: $(LIVE_SOURCES) | $(VENV)/interfaces.stamp
 	find reflest_core -name '*.nb[ci]' -delete
 	$(BIN)/python -m reflest_core.estimation.warm_up
 	touch $@

@@ -47,11 +47,18 @@ class BuildInterfaces(Command):
         environment["PATH"] = os.pathsep.join([f"{sys.prefix}/bin", environment["PATH"]])
         build = self.work / "cmake"
         for arguments in (
-            ["-S", ROOT, "-B", build, f"-DCMAKE_INSTALL_PREFIX={self.stage}",
-             f"-DPython3_EXECUTABLE={sys.executable}", "-DREFLEST_INTERFACES_ONLY=ON"],
+            [
+                "-S",
+                ROOT,
+                "-B",
+                build,
+                f"-DCMAKE_INSTALL_PREFIX={self.stage}",
+                f"-DPython3_EXECUTABLE={sys.executable}",
+                "-DREFLEST_INTERFACES_ONLY=ON",
+            ],
             ["--build", build, "--parallel", str(os.cpu_count() or 1)],
             ["--install", build],
-        ):  # fmt: skip
+        ):
             subprocess.run(["cmake", *map(str, arguments)], env=environment, check=True)
 
     @property

@@ -37,8 +37,11 @@ def run(plan: Plan, cache: Path, capture: Path | None = None) -> dict[str, Any]:
         "scene_version": VERSION,
         "machine": machine,
         "plan": dataclasses.asdict(plan),
-        "frame_path": {}, "open3d": {}, "against_open3d": {}, "estimation": {},
-    }  # fmt: skip
+        "frame_path": {},
+        "open3d": {},
+        "against_open3d": {},
+        "estimation": {},
+    }
     for threads in plan.threads:
         _say(f"frame path, Open3D and estimation with {threads} thread(s)")
         path, peers = _frame_path_and_peers(plan, bag, threads, is_table=True)
@@ -46,26 +49,41 @@ def run(plan: Plan, cache: Path, capture: Path | None = None) -> dict[str, Any]:
         results["against_open3d"][key] = compare_with_open3d(path, peers)
         results["frame_path"][key], results["open3d"][key] = path, peers
         results["estimation"][key] = measured(
-            f"{MEASUREMENTS}.estimation", threads, capture=bag, frames=plan.frame_path,
-            estimates=plan.estimates, threads=threads, is_compiled=plan.is_compiled,
-        )  # fmt: skip
+            f"{MEASUREMENTS}.estimation",
+            threads,
+            capture=bag,
+            frames=plan.frame_path,
+            estimates=plan.estimates,
+            threads=threads,
+            is_compiled=plan.is_compiled,
+        )
     most = max(plan.threads)
     _say("growth with voxel size, resolution and region")
     results["growth_of_fusion"] = measured(
-        f"{MEASUREMENTS}.growth_of_fusion", most, frames=plan.growth_frames,
-        resolution=plan.resolution, voxel_sizes=plan.voxel_sizes, resolutions=plan.resolutions,
-    )  # fmt: skip
+        f"{MEASUREMENTS}.growth_of_fusion",
+        most,
+        frames=plan.growth_frames,
+        resolution=plan.resolution,
+        voxel_sizes=plan.voxel_sizes,
+        resolutions=plan.resolutions,
+    )
     _say("growth with surface and views")
     results["growth_of_estimates"] = measured(
-        f"{MEASUREMENTS}.growth_of_estimates", most, store_voxels=plan.store_voxels,
-        voxel_size_mm=plan.store_voxel_size, view_counts=plan.view_counts,
+        f"{MEASUREMENTS}.growth_of_estimates",
+        most,
+        store_voxels=plan.store_voxels,
+        voxel_size_mm=plan.store_voxel_size,
+        view_counts=plan.view_counts,
         estimates=plan.growth_estimates,
-    )  # fmt: skip
+    )
     _say("memory")
     results["memory"] = measured(
-        f"{MEASUREMENTS}.memory", most, frames=plan.memory_strip, budget_mb=plan.memory_budget_mb,
+        f"{MEASUREMENTS}.memory",
+        most,
+        frames=plan.memory_strip,
+        budget_mb=plan.memory_budget_mb,
         voxel_size_mm=plan.store_voxel_size,
-    )  # fmt: skip
+    )
     _say("start-up and replay")
     results["start_up"] = measured(
         f"{MEASUREMENTS}.start_up", most, capture=bag, starts=plan.starts
@@ -80,8 +98,11 @@ def run(plan: Plan, cache: Path, capture: Path | None = None) -> dict[str, Any]:
         path, peers = _frame_path_and_peers(plan, str(capture.resolve()), most, is_table=False)
         compared = compare_with_open3d(path, peers)
         results["capture"] = {
-            "name": capture.name, "frame_path": path, "open3d": peers, "against_open3d": compared,
-        }  # fmt: skip
+            "name": capture.name,
+            "frame_path": path,
+            "open3d": peers,
+            "against_open3d": compared,
+        }
     results["took_s"] = time.monotonic() - started
     return results
 
@@ -99,15 +120,23 @@ def _frame_path_and_peers(
     # A capture of one's own has no region of interest: each of its frames costs much more.
     frames = plan.frame_path if is_table else plan.peer_frames
     path = measured(
-        f"{MEASUREMENTS}.frame_path", threads, capture=capture, frames=frames,
-        memory_frames=plan.memory_frames, is_table=is_table, threads=threads,
-    )  # fmt: skip
+        f"{MEASUREMENTS}.frame_path",
+        threads,
+        capture=capture,
+        frames=frames,
+        memory_frames=plan.memory_frames,
+        is_table=is_table,
+        threads=threads,
+    )
     stamps = list(path["fuse_ms"])
     chosen = np.linspace(0, len(stamps) - 1, min(plan.peer_frames, len(stamps))).round().astype(int)
     peers = measured(
-        f"{MEASUREMENTS}.open3d_grid", threads, capture=capture,
-        stamps=[stamps[number] for number in chosen], is_table=is_table,
-    )  # fmt: skip
+        f"{MEASUREMENTS}.open3d_grid",
+        threads,
+        capture=capture,
+        stamps=[stamps[number] for number in chosen],
+        is_table=is_table,
+    )
     return path, peers
 
 

@@ -26,9 +26,9 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import Empty
 
 from benchmarks.measuring.machine import ROOT, describe_machine
-from reflest_ros.message_info import with_message_info
-from reflest_ros.publication_gaps import PublicationGaps
-from reflest_ros.qos import OUTPUT_QOS, input_qos
+from reflest_ros.inputs.message_info import with_message_info
+from reflest_ros.inputs.publication_gaps import PublicationGaps
+from reflest_ros.inputs.qos import OUTPUT_QOS, input_qos
 
 PROFILE = ROOT / "config" / "fastdds_large_messages.xml"
 PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
@@ -123,9 +123,12 @@ def measure(profile: Path | None, seconds: float, rate: float, domain_id: int) -
     sent = len(STREAMS) * round(seconds * rate)
     received = sum(came["received"].values())
     return {
-        "profile": profile.name if profile else None, "sent": sent, "received": received,
-        "lost": 1.0 - received / sent, **came,
-    }  # fmt: skip
+        "profile": profile.name if profile else None,
+        "sent": sent,
+        "received": received,
+        "lost": 1.0 - received / sent,
+        **came,
+    }
 
 
 def _image(encoding: str, pixel_bytes: int) -> Image:

@@ -26,9 +26,13 @@ CONFIG = Path(get_package_share_directory("reflest_ros")) / "config"
 CAMERAS = ("none", "realsense", "azure_kinect", "orbbec", "tum")
 PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
 RVIZ_TOPICS = (
-    "/reflectance/voxels", "/reflectance/markers", "/reflectance/preview",
-    "/reflectance/environment/preview", "/camera/color/image_raw", "/camera/pose",
-)  # fmt: skip
+    "/reflectance/voxels",
+    "/reflectance/markers",
+    "/reflectance/preview",
+    "/reflectance/environment/preview",
+    "/camera/color/image_raw",
+    "/camera/pose",
+)
 """Named in config/reflest.rviz; RViz looks for them in its namespace."""
 ARGUMENTS = (
     ("camera", "none", "Camera whose topics, units and frames to expect.", CAMERAS),
@@ -83,9 +87,11 @@ def nodes(context: LaunchContext) -> list[Action]:
         player = ExecuteProcess(cmd=play + ["--clock"] * uses_sim_time, output="screen")
         # Not before the estimator listens, or it would miss the beginning.
         listening = OnStateTransition(
-            target_lifecycle_node=estimator, goal_state="active", entities=[player],
+            target_lifecycle_node=estimator,
+            goal_state="active",
+            entities=[player],
             handle_once=True,
-        )  # fmt: skip
+        )
         wanted.insert(0, RegisterEventHandler(listening))
     if given["rviz"] == "true":
         wanted.append(

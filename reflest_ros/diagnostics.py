@@ -13,11 +13,11 @@ from rclpy.node import Node
 
 from reflest_core.capture.messages import Role
 from reflest_core.capture.refusal import RefusalCause
+from reflest_ros.inputs.silence import SilenceWatch
 from reflest_ros.recent_counts import RecentCounts
 from reflest_ros.scan_session import ScanSession
 from reflest_ros.scan_warnings import ScanWarnings
 from reflest_ros.settings import InputSettings
-from reflest_ros.silence import SilenceWatch
 
 WINDOW = 5.0
 """Seconds over which rates are taken, and for which a refusal is news."""
@@ -48,10 +48,12 @@ class Diagnostics:
         self._watched = None
         if session is not None:
             self._watched = _Watched(
-                session, SilenceWatch(self._node, session.inputs.states, self._settings.silence),
+                session,
+                SilenceWatch(self._node, session.inputs.states, self._settings.silence),
                 ScanWarnings(self._node, session.scanner),
-                RecentCounts(WINDOW), RecentCounts(WINDOW),
-            )  # fmt: skip
+                RecentCounts(WINDOW),
+                RecentCounts(WINDOW),
+            )
             # Rates count from here: a burst may come before the first period ends.
             _sample(self._watched)
 

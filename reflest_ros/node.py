@@ -22,8 +22,8 @@ from reflest_ros.parameters import (
     guard_parameters,
     warn_of_unknown_parameters,
 )
-from reflest_ros.pause_services import PauseServices
 from reflest_ros.scan_session import ScanSession
+from reflest_ros.services.pause_services import PauseServices
 
 
 class EstimatorNode(LifecycleNode):
@@ -44,9 +44,10 @@ class EstimatorNode(LifecycleNode):
         self._diagnostics = Diagnostics(self, self._node_settings.input)
         # Diagnostics go on where simulated time stands still.
         self.create_timer(
-            self._node_settings.input.diagnostics_period, self._diagnostics.publish,
+            self._node_settings.input.diagnostics_period,
+            self._diagnostics.publish,
             clock=Clock(clock_type=ClockType.STEADY_TIME),
-        )  # fmt: skip
+        )
 
     def bring_up(self) -> None:
         """Configure and activate, where ``lifecycle.autostart`` says so; before the node spins.

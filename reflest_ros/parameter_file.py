@@ -32,9 +32,11 @@ def parameter_file() -> str:
             group = its_group
             lines.append(f"    {group}:")
         lines += textwrap.wrap(
-            describe(parameter.info), 100, initial_indent=" " * 6 + "# ",
+            describe(parameter.info),
+            100,
+            initial_indent=" " * 6 + "# ",
             subsequent_indent=" " * 6 + "# ",
-        )  # fmt: skip
+        )
         lines.append(f"      {name}: {_yaml_value(parameter.default)}")
     return "\n".join(lines) + "\n"
 

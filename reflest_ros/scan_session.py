@@ -17,18 +17,18 @@ from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.estimation.warm_up import warm_up
 from reflest_core.fusion.keyframe import KeyframePolicy
 from reflest_core.fusion.settings import RegionSettings
-from reflest_ros.autosave import Autosave
-from reflest_ros.clock_watch import ClockWatch
-from reflest_ros.estimate_output import EstimateOutput
-from reflest_ros.estimate_services import EstimateServices
-from reflest_ros.estimation_worker import EstimationWorker
-from reflest_ros.fusion_worker import FusionWorker
+from reflest_ros.inputs.clock_watch import ClockWatch
+from reflest_ros.inputs.subscriptions import Inputs
+from reflest_ros.outputs.estimate_output import EstimateOutput
+from reflest_ros.outputs.views import VIEWS
 from reflest_ros.region_parameters import set_region_parameters
-from reflest_ros.scan_services import ScanServices
+from reflest_ros.services.estimate_services import EstimateServices
+from reflest_ros.services.scan_services import ScanServices
+from reflest_ros.services.waiting_services import WaitingServices
 from reflest_ros.settings import NodeSettings
-from reflest_ros.subscriptions import Inputs
-from reflest_ros.views import VIEWS
-from reflest_ros.waiting_services import WaitingServices
+from reflest_ros.workers.autosave import Autosave
+from reflest_ros.workers.estimation_worker import EstimationWorker
+from reflest_ros.workers.fusion_worker import FusionWorker
 
 
 class ScanSession:
@@ -58,9 +58,13 @@ class ScanSession:
         self.output = EstimateOutput(node, [view(node) for view in VIEWS])
         self.estimation = EstimationWorker(self.scanner.estimate, self.output, on_crash)
         self.fusion = FusionWorker(
-            self.assembler, self.scanner, self.estimation.offer, on_crash,
-            node_settings.input.queue_size, node_settings.input.settle,
-        )  # fmt: skip
+            self.assembler,
+            self.scanner,
+            self.estimation.offer,
+            on_crash,
+            node_settings.input.queue_size,
+            node_settings.input.settle,
+        )
         self.waiting_services = WaitingServices(node, on_crash)
         self._services = ScanServices(node, self, self.waiting_services)
         EstimateServices(self.waiting_services, self.fusion, self.estimation)

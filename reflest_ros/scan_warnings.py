@@ -9,7 +9,7 @@ import math
 from rclpy.node import Node
 
 from reflest_core.estimation.scanner import Scanner
-from reflest_ros.fusion_counts import FusionCounts
+from reflest_ros.workers.fusion_counts import FusionCounts
 
 NEARLY_FULL = 0.85
 """Room is made by an eighth at a time, so that a store at its budget stays above this."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from reflest_core.parameter import check_parameters, parameter
-from reflest_ros.view_settings import (
+from reflest_ros.outputs.view_settings import (
     EnvironmentSettings,
     MarkerSettings,
     PreviewSettings,
@@ -31,9 +31,9 @@ class TopicSettings:
         "Calibration of the depth camera; needed where depth is in another frame than colour.",
     )
     pose: str = parameter(
-        "camera/pose", "Poses of the camera in the world frame (PoseStamped), with "
-        "capture.pose_source pose.",
-    )  # fmt: skip
+        "camera/pose",
+        "Poses of the camera in the world frame (PoseStamped), with capture.pose_source pose.",
+    )
     odom: str = parameter(
         "odom", "Poses of the robot or the camera (Odometry), with capture.pose_source odom."
     )
@@ -54,35 +54,48 @@ class InputSettings:
         choices=("best_effort", "reliable"),
     )
     rgb_transport: str = parameter(
-        "raw", "compressed: subscribe to CompressedImage (jpeg, png) on topics.rgb + /compressed. "
-        "A topic name that ends so is taken as it is.", choices=("raw", "compressed"),
-    )  # fmt: skip
+        "raw",
+        "compressed: subscribe to CompressedImage (jpeg, png) on topics.rgb + /compressed. "
+        "A topic name that ends so is taken as it is.",
+        choices=("raw", "compressed"),
+    )
     depth_transport: str = parameter(
-        "raw", "compressedDepth (png, rvl) or compressed (16-bit png): subscribe to "
+        "raw",
+        "compressedDepth (png, rvl) or compressed (16-bit png): subscribe to "
         "CompressedImage on topics.depth + /compressedDepth or /compressed. A topic name that "
-        "ends so is taken as it is.", choices=("raw", "compressedDepth", "compressed"),
-    )  # fmt: skip
+        "ends so is taken as it is.",
+        choices=("raw", "compressedDepth", "compressed"),
+    )
     mask_transport: str = parameter(
         "raw",
         "compressed: subscribe to CompressedImage (8-bit png) on topics.mask + /compressed.",
         choices=("raw", "compressed"),
     )
     queue_size: int = parameter(
-        200, "Messages that may wait for fusion; further ones are dropped and counted.",
-        minimum=4, maximum=100000,
-    )  # fmt: skip
+        200,
+        "Messages that may wait for fusion; further ones are dropped and counted.",
+        minimum=4,
+        maximum=100000,
+    )
     silence: float = parameter(
-        5.0, "A topic without a message for this long is named in a warning.",
-        unit="s", minimum=0.1, maximum=3600.0,
-    )  # fmt: skip
+        5.0,
+        "A topic without a message for this long is named in a warning.",
+        unit="s",
+        minimum=0.1,
+        maximum=3600.0,
+    )
     settle: float = parameter(
-        0.5, "After this long without a message, frames that wait for later messages are settled.",
-        unit="s", minimum=0.01, maximum=60.0,
-    )  # fmt: skip
+        0.5,
+        "After this long without a message, frames that wait for later messages are settled.",
+        unit="s",
+        minimum=0.01,
+        maximum=60.0,
+    )
     reset_on_clock_jump: bool = parameter(
-        False, "When time goes back (a bag loops, a simulation restarts), forget the scan as well "
+        False,
+        "When time goes back (a bag loops, a simulation restarts), forget the scan as well "
         "as what waits; otherwise the scan goes on with what comes next.",
-    )  # fmt: skip
+    )
     diagnostics_period: float = parameter(
         1.0, "Time between two messages on /diagnostics.", unit="s", minimum=0.02, maximum=60.0
     )
@@ -108,13 +121,17 @@ class AutosaveSettings:
     """What a node that ends without warning leaves behind."""
 
     path: str = parameter(
-        "", "File to which the scan is saved now and then and when the node is cleaned up, and "
+        "",
+        "File to which the scan is saved now and then and when the node is cleaned up, and "
         "from which the next start goes on; empty: none. One file for each node.",
-    )  # fmt: skip
+    )
     period: float = parameter(
-        10.0, "Time between two savings of a scan that changes.",
-        unit="s", minimum=0.1, maximum=86400.0,
-    )  # fmt: skip
+        10.0,
+        "Time between two savings of a scan that changes.",
+        unit="s",
+        minimum=0.1,
+        maximum=86400.0,
+    )
 
     def __post_init__(self) -> None:
         check_parameters(self)

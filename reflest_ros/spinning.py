@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from rclpy.executors import Executor
 
-from reflest_ros.worker_thread import worker_thread
+from reflest_ros.workers.worker_thread import worker_thread
 
 LONGEST_WAIT = 0.5
 """Seconds; the executor is woken at the end, this only bounds what a missed call would cost."""

@@ -16,7 +16,7 @@ from benchmarks.measurements.estimate_publisher import use_private_domain
 from benchmarks.measuring.machine import ROOT
 from benchmarks.measuring.resident_memory import peak_mb
 from benchmarks.scene.table_scene import REGION
-from reflest_core.synbrdf.bag_writer import RGB
+from reflest_core.synbrdf.sequences.bag_writer import RGB
 from reflest_ros.demo.playback import running
 
 PROFILE = ROOT / "config" / "fastdds_large_messages.xml"

@@ -12,9 +12,9 @@ import rclpy
 from rclpy.context import Context
 
 from reflest_core.estimation.estimate import BrdfEstimate
-from reflest_ros.estimate_message import estimate_to_message
+from reflest_ros.inputs.qos import OUTPUT_QOS
 from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
-from reflest_ros.qos import OUTPUT_QOS
+from reflest_ros.outputs.estimate_message import estimate_to_message
 
 TOPIC = "/benchmark/brdf"
 

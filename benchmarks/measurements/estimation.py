@@ -29,10 +29,10 @@ from benchmarks.scene.table_scene import table_settings
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
-from reflest_core.features.voxel_choice import choose_voxels
 from reflest_core.models.model_choice import MODELS
-from reflest_core.models.network_kind import LIVE_DRAW, NETWORKS, Inputs
+from reflest_core.models.registry import LIVE_DRAW, NETWORKS, Inputs
 from reflest_core.models.weights import SHIPPED, load_weights, shipped_models
+from reflest_core.surface.voxel_choice import choose_voxels
 
 WARM_UP = 3
 """Estimates before the first that counts."""

@@ -10,8 +10,8 @@ from typing import Any
 from benchmarks.measuring.resident_memory import forget_peak, peak_mb, resident_mb
 from benchmarks.scene.floor import strip_frames
 from reflest_core.fusion.memory_budget import WORKING_MB
-from reflest_core.fusion.observation_chunks import BYTES_PER_CHUNK, CHUNK
-from reflest_core.fusion.observation_store import BYTES_PER_VOXEL
+from reflest_core.fusion.observations.observation_chunks import BYTES_PER_CHUNK, CHUNK
+from reflest_core.fusion.observations.observation_store import BYTES_PER_VOXEL
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.fusion.warm_up import warm_up

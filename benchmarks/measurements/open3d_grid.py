@@ -19,8 +19,8 @@ from benchmarks.measuring.timing import Timing
 from benchmarks.scene.table_scene import table_settings
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.open_capture import open_capture
-from reflest_core.fusion.foreground import classify_pixels
-from reflest_core.fusion.region import Region
+from reflest_core.fusion.frames.foreground import classify_pixels
+from reflest_core.fusion.frames.region import Region
 from reflest_core.fusion.settings import FusionSettings
 
 BLOCK_COUNT = 20_000
@@ -81,9 +81,14 @@ class _Grid:
         names, channels = ("tsdf", "weight", "color"), ((1), (1), (3))
         used = 3 if with_colour else 2
         self._grid = o3d.t.geometry.VoxelBlockGrid(
-            names[:used], (o3d.core.float32,) * used, channels[:used], settings.voxel_size, 8,
-            BLOCK_COUNT, o3d.core.Device("CPU:0"),
-        )  # fmt: skip
+            names[:used],
+            (o3d.core.float32,) * used,
+            channels[:used],
+            settings.voxel_size,
+            8,
+            BLOCK_COUNT,
+            o3d.core.Device("CPU:0"),
+        )
 
     def integrate(self, frame: Frame, depth_mm: NDArray[np.uint16]) -> tuple[float, float]:
         """Seconds for the list of blocks and for the integration."""

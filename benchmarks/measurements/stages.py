@@ -24,7 +24,7 @@ SHIPPED_KIND, EAGER, COMPILED = "shipped", "PyTorch eager", "torch.compile"
 """Who runs the network."""
 
 CAPTURE_STAGES = (
-    Stage("match", ("reflest_core.capture.matching:Matcher.add",)),
+    Stage("match", ("reflest_core.capture.sync.matching:Matcher.add",)),
     Stage(
         "decode",
         (
@@ -46,7 +46,7 @@ FUSION_STAGES = (
     Stage(
         "TSDF",
         tuple(
-            f"reflest_core.fusion.tsdf:TsdfVolume.{name}"
+            f"reflest_core.fusion.tsdf.volume:TsdfVolume.{name}"
             for name in ("allocate", "in_sight", "integrate", "extract")
         ),
     ),
@@ -57,7 +57,7 @@ FUSION_STAGES = (
         (
             "reflest_core.fusion.scan:visible_voxels",
             *(
-                f"reflest_core.fusion.observation_store:ObservationStore.{name}"
+                f"reflest_core.fusion.observations.observation_store:ObservationStore.{name}"
                 for name in ("remove", "move", "find", "refresh", "claim", "unseen_from", "observe")
             ),
         ),
@@ -66,22 +66,22 @@ FUSION_STAGES = (
         "background light",
         (
             "reflest_core.fusion.scan:background_pixels",
-            "reflest_core.fusion.light_map:LightMap.add_frame",
+            "reflest_core.light.light_map:LightMap.add_frame",
         ),
     ),
     Stage(SNAPSHOT, ("reflest_core.estimation.scanner:Scanner.snapshot",)),
 )
 ESTIMATION_STAGES = (
     Stage("voxel choice", ("reflest_core.models.predictor:choose_voxels",)),
-    Stage("hemisphere images", ("reflest_core.models.live_hemicnn:hemisphere_images",)),
-    Stage("grouplets", ("reflest_core.models.live_grouplet:draw_grouplets",)),
-    Stage("shading", ("reflest_core.models.live_lightnet:surface_shading",)),
+    Stage("hemisphere images", ("reflest_core.models.hemicnn.live:hemisphere_images",)),
+    Stage("grouplets", ("reflest_core.models.grouplet.live:draw_grouplets",)),
+    Stage("shading", ("reflest_core.models.lightnet.live:surface_shading",)),
     Stage(
         NETWORK,
         (
-            "reflest_core.models.live_hemicnn:LiveHemiCNN.evaluate",
-            "reflest_core.models.live_grouplet:LiveGrouplet.evaluate",
-            "reflest_core.models.live_lightnet:LiveLightNet.evaluate",
+            "reflest_core.models.hemicnn.live:LiveHemiCNN.evaluate",
+            "reflest_core.models.grouplet.live:LiveGrouplet.evaluate",
+            "reflest_core.models.lightnet.live:LiveLightNet.evaluate",
         ),
     ),
     Stage("coverage", ("reflest_core.estimation.estimator:hemisphere_coverage",)),

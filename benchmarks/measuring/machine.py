@@ -16,9 +16,14 @@ CODE = ("benchmarks", "config", "msg", "reflest_core", "reflest_ros", "srv")
 """What decides on the figures."""
 ROOT = Path(__file__).resolve().parents[2]
 LIBRARIES = (
-    "numpy", "numba", "opencv-python-headless", "torch", "open3d-cpu", "ros-jazzy-rclpy",
+    "numpy",
+    "numba",
+    "opencv-python-headless",
+    "torch",
+    "open3d-cpu",
+    "ros-jazzy-rclpy",
     "ros-jazzy-rmw-fastrtps-cpp",
-)  # fmt: skip
+)
 
 
 def describe_machine() -> dict[str, Any]:

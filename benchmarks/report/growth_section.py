@@ -33,6 +33,8 @@ def growth_section(results: dict[str, Any]) -> str:
 def _fused(one: dict[str, Any]) -> list[str]:
     fuse = one["fuse"]
     return [
-        number(fuse["p50_ms"]), number(fuse["p95_ms"]),
-        f"{one['voxels']:,}", f"{one['observations']:,}",
-    ]  # fmt: skip
+        number(fuse["p50_ms"]),
+        number(fuse["p95_ms"]),
+        f"{one['voxels']:,}",
+        f"{one['observations']:,}",
+    ]

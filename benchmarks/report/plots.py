@@ -41,9 +41,12 @@ def plot_frames(results: dict[str, Any], path: Path) -> None:
             axis.annotate(f"{median:.3g}", (place, median), (8, -4), textcoords="offset points")
         axis.axhline(FRAME_TIME_MS, color="black", linewidth=0.8, linestyle=":", label="30 Hz")
         axis.axhline(
-            _open3d_ms(results), color="tab:red", linewidth=0.8, linestyle="--",
+            _open3d_ms(results),
+            color="tab:red",
+            linewidth=0.8,
+            linestyle="--",
             label="Open3D with colour, 5 mm, no region",
-        )  # fmt: skip
+        )
         axis.set_xticks(places, labels)
         axis.set_xlim(-0.5, len(labels) - 0.3)
         axis.set_title(f"by {title}")

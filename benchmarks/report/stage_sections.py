@@ -26,11 +26,32 @@ from benchmarks.report.table import number, table
 WHOLES = (ASSEMBLE, FUSE, FRAME, ESTIMATE, FROM_STORE)
 """Sums of the stages above them; in bold."""
 ORDER = (
-    "match", "decode", ASSEMBLE, "classify pixels", "F and B", "redundancy", "TSDF",
-    "background light", "observations", SNAPSHOT, FUSE_NEW, FUSE_KNOWN, FUSE_DEPTH, FUSE_REDUNDANT,
-    FUSE, FRAME, "voxel choice", "hemisphere images", "grouplets", "shading", NETWORK, "coverage",
-    ESTIMATE, FROM_STORE, PUBLISH,
-)  # fmt: skip
+    "match",
+    "decode",
+    ASSEMBLE,
+    "classify pixels",
+    "F and B",
+    "redundancy",
+    "TSDF",
+    "background light",
+    "observations",
+    SNAPSHOT,
+    FUSE_NEW,
+    FUSE_KNOWN,
+    FUSE_DEPTH,
+    FUSE_REDUNDANT,
+    FUSE,
+    FRAME,
+    "voxel choice",
+    "hemisphere images",
+    "grouplets",
+    "shading",
+    NETWORK,
+    "coverage",
+    ESTIMATE,
+    FROM_STORE,
+    PUBLISH,
+)
 PERCENTILES = ("p50_ms", "p95_ms", "p99_ms")
 COMPARED = ("fuse_ms", "open3d_ms", "ratio")
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from benchmarks.scene.renderer import camera_of
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.settings import RegionSettings
-from reflest_core.synbrdf.views import look_at
+from reflest_core.synbrdf.scenes.views import look_at
 
 OVERVIEW_HEIGHT, OVERVIEW_SPACING = 1.5, 0.6
 """Metres; every point of the floor is seen from six positions or more."""

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.synbrdf.views import look_at
+from reflest_core.synbrdf.scenes.views import look_at
 
 DEGREES_PER_SECOND = 15.0
 """One way round takes 24 s."""

@@ -17,7 +17,12 @@ from benchmarks.scene.hand_held_orbit import pose_at
 from benchmarks.scene.renderer import camera_of, render
 from benchmarks.scene.table_scene import VERSION
 from reflest_core.capture.frame import Frame
-from reflest_core.synbrdf.bag_writer import CAMERA_FRAME, WORLD_FRAME, RecordedFrame, write_bag
+from reflest_core.synbrdf.sequences.bag_writer import (
+    CAMERA_FRAME,
+    WORLD_FRAME,
+    RecordedFrame,
+    write_bag,
+)
 
 START_NS = 1_750_000_000 * 10**9
 

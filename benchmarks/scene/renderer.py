@@ -44,9 +44,17 @@ def render(
     lights = LIGHTS.copy()
     lights[:, :3] /= np.linalg.norm(lights[:, :3], axis=1, keepdims=True)
     _render(
-        camera.fx, camera.cx, camera.cy, np.ascontiguousarray(T_world_camera), ELLIPSOIDS, lights,
-        SRGB, number, rgb, depth,
-    )  # fmt: skip
+        camera.fx,
+        camera.cx,
+        camera.cy,
+        np.ascontiguousarray(T_world_camera),
+        ELLIPSOIDS,
+        lights,
+        SRGB,
+        number,
+        rgb,
+        depth,
+    )
     return rgb, depth
 
 

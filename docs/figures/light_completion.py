@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf import srgb
-from reflest_core.environment.equirectangular import equirectangular_directions
-from reflest_core.features.light.explained_light import explain
-from reflest_core.fusion.octahedral import octahedral_texels
-from reflest_core.synbrdf.environments import find_environments, load_environment, rotated
-from reflest_core.synbrdf.scene_file import load_scenes
-from reflest_core.synbrdf.scene_light import scene_light
+from reflest_core.inference.explained_light import explain
+from reflest_core.light.equirectangular import equirectangular_directions
+from reflest_core.light.octahedral import octahedral_texels
+from reflest_core.synbrdf.lights.environments import find_environments, load_environment, rotated
+from reflest_core.synbrdf.relit.scene_light import scene_light
+from reflest_core.synbrdf.scenes.scene_file import load_scenes
 
 HEIGHT = 96
 DARKER = 0.25

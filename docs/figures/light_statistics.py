@@ -14,15 +14,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.brdf import rgbe
 from reflest_core.environment.room import Room
-from reflest_core.features.light.completion import complete
-from reflest_core.features.light.light_prior import LEVEL
-from reflest_core.fusion.octahedral import octahedral_directions, octahedral_solid_angles
-from reflest_core.synbrdf.environments import find_environments, load_environment, rotated
-from reflest_core.synbrdf.exposure import expose
-from reflest_core.synbrdf.scene_file import SynbrdfScene, load_scenes
-from reflest_core.synbrdf.scene_light import scene_light
+from reflest_core.inference.light_prior import LEVEL
+from reflest_core.light import rgbe
+from reflest_core.light.completion import complete
+from reflest_core.light.octahedral import octahedral_directions, octahedral_solid_angles
+from reflest_core.synbrdf.lights.environments import find_environments, load_environment, rotated
+from reflest_core.synbrdf.relit.scene_light import scene_light
+from reflest_core.synbrdf.scenes.exposure import expose
+from reflest_core.synbrdf.scenes.scene_file import SynbrdfScene, load_scenes
 
 CHANNELS = ("red", "green", "blue")
 

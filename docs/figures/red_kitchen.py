@@ -22,11 +22,11 @@ from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
-from reflest_core.features.light.completion import levels_below
-from reflest_core.features.light.irradiance import mean_radiance
-from reflest_core.features.light.ward_lobe import ROUGHNESSES, lobe_radiance
-from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.inference.transport.irradiance import mean_radiance
+from reflest_core.inference.transport.ward_lobe import ROUGHNESSES, lobe_radiance
+from reflest_core.light.completion import levels_below
+from reflest_core.surface.observed_surface import ObservedSurface
 
 UP = (0.02, -0.89, -0.455)
 """In the data set's world: the normal of the table, and of the worktop."""
@@ -158,9 +158,13 @@ def row(thing: Thing, model: str, estimate: BrdfEstimate) -> str:
         )
     ]
     cells = [
-        thing.name, model, str(estimate.view_count), f"{estimate.coverage:.0%}", *values,
+        thing.name,
+        model,
+        str(estimate.view_count),
+        f"{estimate.coverage:.0%}",
+        *values,
         EstimateStatus(estimate.status).name,
-    ]  # fmt: skip
+    ]
     return f"| {' | '.join(cells)} |"
 
 

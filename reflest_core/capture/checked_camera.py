@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from reflest_core.capture.camera_info import CalibratedCamera, check_camera_info
+from reflest_core.capture.images.rectify import Rectifier
 from reflest_core.capture.messages import CameraInfoMessage
-from reflest_core.capture.rectify import Rectifier
 from reflest_core.capture.settings import CaptureSettings
 
 

@@ -8,14 +8,14 @@ from collections.abc import Callable
 from pathlib import Path
 
 from reflest_core.capture.assembler import RefusalListener
-from reflest_core.capture.bag import READERS_BY_SUFFIX, Bag
 from reflest_core.capture.capture import Capture, MessageSource
 from reflest_core.capture.errors import CaptureError
-from reflest_core.capture.folder_intrinsics import Pinhole
+from reflest_core.capture.formats.bag import READERS_BY_SUFFIX, Bag
+from reflest_core.capture.formats.folder_intrinsics import Pinhole
+from reflest_core.capture.formats.seven_scenes import COLOUR_NAME, SevenScenesFolder
+from reflest_core.capture.formats.topics import TopicChoice
+from reflest_core.capture.formats.tum import LISTS, TumFolder
 from reflest_core.capture.settings import CaptureSettings
-from reflest_core.capture.seven_scenes import COLOUR_NAME, SevenScenesFolder
-from reflest_core.capture.topics import TopicChoice
-from reflest_core.capture.tum import LISTS, TumFolder
 
 KINDS = (
     "an .mcap or .db3 file, a rosbag2 directory, a 7-Scenes folder (frame-*.color.*) or a TUM "

@@ -18,23 +18,36 @@ class CaptureSettings:
     """Matching in time, units and calibration."""
 
     slop: float = parameter(
-        0.02, "Depth and mask further than this from the colour image's stamp do not match it; "
-        "0 demands equal stamps.", unit="s", minimum=0.0, maximum=1.0,
-    )  # fmt: skip
+        0.02,
+        "Depth and mask further than this from the colour image's stamp do not match it; "
+        "0 demands equal stamps.",
+        unit="s",
+        minimum=0.0,
+        maximum=1.0,
+    )
     max_pose_gap: float = parameter(
-        0.2, "Poses further apart than this are not interpolated between.",
-        unit="s", minimum=0.0, maximum=10.0,
-    )  # fmt: skip
+        0.2,
+        "Poses further apart than this are not interpolated between.",
+        unit="s",
+        minimum=0.0,
+        maximum=10.0,
+    )
     max_wait: float = parameter(
-        2.0, "A colour image waits for its partners until colour is this far ahead of it (image "
+        2.0,
+        "A colour image waits for its partners until colour is this far ahead of it (image "
         "time); then it is used with what has come, or refused.",
-        unit="s", minimum=0.01, maximum=60.0,
-    )  # fmt: skip
+        unit="s",
+        minimum=0.01,
+        maximum=60.0,
+    )
     clock_jump: float = parameter(
-        1.0, "Stamps that go back by this much are a jump of the clock (a bag that starts again): "
+        1.0,
+        "Stamps that go back by this much are a jump of the clock (a bag that starts again): "
         "what waits is dropped and matching goes on. Smaller steps are late messages.",
-        unit="s", minimum=0.01, maximum=3600.0,
-    )  # fmt: skip
+        unit="s",
+        minimum=0.01,
+        maximum=3600.0,
+    )
     queue_size: int = parameter(
         30, "Images of each topic that may wait for their partners.", minimum=2, maximum=1000
     )
@@ -42,28 +55,37 @@ class CaptureSettings:
         2000, "Poses that may wait for their image.", minimum=2, maximum=100000
     )
     depth_scale: float = parameter(
-        0.001, "Metres in one unit of 16-bit depth; 32FC1 depth is in metres.",
-        unit="m", minimum=1e-6, maximum=1.0,
-    )  # fmt: skip
+        0.001,
+        "Metres in one unit of 16-bit depth; 32FC1 depth is in metres.",
+        unit="m",
+        minimum=1e-6,
+        maximum=1.0,
+    )
     rectified: bool = parameter(
         False, "The images are rectified already: use camera_info's P and ignore its distortion."
     )
     check_frame_ids: bool = parameter(
-        True, "Compare the frames that messages name: depth of another frame than colour is "
+        True,
+        "Compare the frames that messages name: depth of another frame than colour is "
         "registered to it or refused, as are a pose of another frame, a calibration of another "
         "camera and a world frame that changes.",
-    )  # fmt: skip
+    )
     pose_source: str = parameter(
-        "pose", "Where poses come from: the topic pose (PoseStamped), the topic odom (Odometry), "
-        "or tf, at the image's stamp.", choices=("pose", "odom", "tf"),
-    )  # fmt: skip
+        "pose",
+        "Where poses come from: the topic pose (PoseStamped), the topic odom (Odometry), "
+        "or tf, at the image's stamp.",
+        choices=("pose", "odom", "tf"),
+    )
     world_frame: str = parameter(
         "map", "With pose_source tf: the frame in which the scan is built."
     )
     max_transform_gap: float = parameter(
-        1.0, "Transforms of one frame further apart than this are not interpolated between.",
-        unit="s", minimum=0.0, maximum=60.0,
-    )  # fmt: skip
+        1.0,
+        "Transforms of one frame further apart than this are not interpolated between.",
+        unit="s",
+        minimum=0.0,
+        maximum=60.0,
+    )
     pose_to_camera: tuple[float, ...] = parameter(
         SAME_FRAME,
         "The colour camera's optical frame in the frame whose pose is published: x, y, z in "

@@ -7,10 +7,10 @@ from __future__ import annotations
 import numpy as np
 
 from reflest_core.capture.camera import CameraIntrinsics
-from reflest_core.capture.decode import decode_depth
-from reflest_core.capture.depth_registration import register_depth
+from reflest_core.capture.images.decode import decode_depth
+from reflest_core.capture.images.depth_registration import register_depth
+from reflest_core.capture.images.rvl import decode_rvl
 from reflest_core.capture.messages import ImageMessage
-from reflest_core.capture.rvl import decode_rvl
 from reflest_core.capture.settings import CaptureSettings
 
 

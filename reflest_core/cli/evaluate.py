@@ -11,10 +11,22 @@ from typing import Any
 from reflest_core.parameter import ParameterError
 
 ALL_PARTS = (
-    "table-2", "views", "look-around", "calibration", "held-out-lights", "failures", "ablation",
-    "realism", "realism-training", "latency", "time-accuracy", "eight-bit", "baselines",
-    "perception", "quick",
-)  # fmt: skip
+    "table-2",
+    "views",
+    "look-around",
+    "calibration",
+    "held-out-lights",
+    "failures",
+    "ablation",
+    "realism",
+    "realism-training",
+    "latency",
+    "time-accuracy",
+    "eight-bit",
+    "baselines",
+    "perception",
+    "quick",
+)
 
 OPTIMISED = 8
 """Scenes of each split, about ten seconds each on an idle core."""
@@ -29,16 +41,20 @@ def add_parser(subparsers: Any) -> None:
         "data", type=Path, nargs="?", help="folder written by 'reflest synbrdf generate'"
     )
     parser.add_argument(
-        "--quick", action="store_true",
+        "--quick",
+        action="store_true",
         help="reproduce one row of Table 2 from what is shipped; needs no data",
-    )  # fmt: skip
+    )
     parser.add_argument("--out", type=Path, help="folder for records, page, plots and pictures")
     parser.add_argument(
-        "--parts", nargs="*", choices=ALL_PARTS, metavar="PART",
+        "--parts",
+        nargs="*",
+        choices=ALL_PARTS,
+        metavar="PART",
         help=f"which to measure, of {', '.join(ALL_PARTS)}; none: write the page alone; default: "
         "all, but ablation only with --ablation, realism-training with --unhardened, look-around "
         "with --environments, held-out-lights with --held-out",
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--runs", type=Path, help="folder of trained variants; default: the shipped weights"
     )
@@ -56,17 +72,25 @@ def add_parser(subparsers: Any) -> None:
         help=f"scenes of each split that the slow baseline gets; default: {OPTIMISED}",
     )
     parser.add_argument(
-        "--ablation", type=Path, metavar="FOLDER",
+        "--ablation",
+        type=Path,
+        metavar="FOLDER",
         help="trainings of lightnet with --hold-out, with and without --without",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--unhardened", type=Path, metavar="FOLDER",
+        "--unhardened",
+        type=Path,
+        metavar="FOLDER",
         help="variants trained without --realism, to compare with those of --runs",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--held-out", type=Path, nargs="+", metavar="RUN", default=[],
+        "--held-out",
+        type=Path,
+        nargs="+",
+        metavar="RUN",
+        default=[],
         help="trainings of lightnet, each with --hold-out and other environments",
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--realism", nargs="*", metavar="EFFECT", help="give scenes the faults of a real capture"
     )
@@ -81,8 +105,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise ParameterError("reflest evaluate needs DATA and --out, or --quick")
     from reflest_core.evaluation.page import write_page
     from reflest_core.evaluation.parts import run_part
-    from reflest_core.evaluation.study import Study
-    from reflest_core.evaluation.study_settings import StudySettings
+    from reflest_core.evaluation.studies.study import Study
+    from reflest_core.evaluation.studies.study_settings import StudySettings
 
     settings = StudySettings(
         arguments.data,
@@ -162,6 +186,6 @@ def _degradation(arguments: argparse.Namespace) -> Any:
     if arguments.realism is None:
         return None
     from reflest_core.synbrdf.realism.settings import Realism, parse_effects
-    from reflest_core.training.sample import Degradation
+    from reflest_core.training.data.sample import Degradation
 
     return Degradation(Realism.only(parse_effects(arguments.realism or ["all"])), seed=1)

@@ -25,15 +25,19 @@ def add_parser(subparsers: Any) -> None:
         epilog=EPILOG,
     )
     parser.add_argument(
-        "source", type=Path, metavar="ESTIMATE.json|SCAN",
+        "source",
+        type=Path,
+        metavar="ESTIMATE.json|SCAN",
         help="what reflest replay --json wrote; for hdr and exr a saved scan",
-    )  # fmt: skip
+    )
     parser.add_argument("--format", choices=[*FORMATS, *LIGHT_FORMATS], required=True)
     parser.add_argument("--out", type=Path, required=True, metavar="FILE")
     parser.add_argument(
-        "--environment", type=Path, metavar="FILE",
+        "--environment",
+        type=Path,
+        metavar="FILE",
         help="light the scene with this .hdr or .exr file (usd, mitsuba, mitsuba-stock)",
-    )  # fmt: skip
+    )
     parser.set_defaults(run=run)
 
 

@@ -24,24 +24,33 @@ def add_light_options(parser: argparse.ArgumentParser) -> None:
     """Add them, as a group."""
     group = parser.add_argument_group("lightnet", "options of --model lightnet")
     group.add_argument(
-        "--shadings", type=Path, metavar="FOLDER",
+        "--shadings",
+        type=Path,
+        metavar="FOLDER",
         help="what shading finds in the scenes, made once; runs may share it; "
         "default: OUT/shadings",
-    )  # fmt: skip
+    )
     group.add_argument("--jobs", type=int, help="processes that shade; default: one for each core")
     group.add_argument("--looks", type=int, help=f"at each training scene; default: {LOOKS}")
     group.add_argument(
-        "--hold-out", nargs="+", metavar="ENVIRONMENT",
+        "--hold-out",
+        nargs="+",
+        metavar="ENVIRONMENT",
         help="train without these environments, in mixtures too; measure and calibrate on them",
-    )  # fmt: skip
+    )
     group.add_argument(
-        "--calibration", type=Path, nargs="+", metavar="RUN",
+        "--calibration",
+        type=Path,
+        nargs="+",
+        metavar="RUN",
         help="folders of trainings with --hold-out: calibrate on all that they held out",
-    )  # fmt: skip
+    )
     group.add_argument(
-        "--without", nargs="+", metavar="PART",
+        "--without",
+        nargs="+",
+        metavar="PART",
         help="light, fit, completion, shares, uncertainty: see what each buys",
-    )  # fmt: skip
+    )
     group.add_argument("--observations", type=int, help="of one voxel in a minibatch")
 
 

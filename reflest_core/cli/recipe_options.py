@@ -12,9 +12,20 @@ if TYPE_CHECKING:
     from reflest_core.training.recipe import Recipe
 
 CHANGES = (
-    "optimiser", "learning_rate", "momentum", "minibatches", "batch_size", "voxels",
-    "nodes_per_voxel", "warm_up", "hold", "average", "precision", "parts", "seed",
-)  # fmt: skip
+    "optimiser",
+    "learning_rate",
+    "momentum",
+    "minibatches",
+    "batch_size",
+    "voxels",
+    "nodes_per_voxel",
+    "warm_up",
+    "hold",
+    "average",
+    "precision",
+    "parts",
+    "seed",
+)
 """The fields of a recipe that options of the same name change."""
 
 

@@ -23,14 +23,17 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--json", type=Path, metavar="OUT", help="write all estimates as JSON")
     parser.add_argument("--save-scan", type=Path, metavar="FILE", help="write volume and store")
     parser.add_argument(
-        "--environment", type=Path, metavar="FILE",
+        "--environment",
+        type=Path,
+        metavar="FILE",
         help="write the light around the object as .hdr or .exr",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--known-light", metavar="PATH",
+        "--known-light",
+        metavar="PATH",
         help="an .hdr panorama of the room, or a scan saved there: for light that no camera saw; "
         "of a folder of them the room that fits, however it is turned",
-    )  # fmt: skip
+    )
     parser.add_argument("--model", help=f"one of {', '.join(MODELS)}")
     parser.add_argument("--weights", metavar="FILE", help="weights in place of the shipped ones")
     parser.add_argument("--config", type=Path, metavar="YAML", help="a ROS parameter file")
@@ -43,23 +46,35 @@ def add_parser(subparsers: Any) -> None:
     scene = parser.add_argument_group("scene, over what --config says (world frame, metres)")
     roi = scene.add_mutually_exclusive_group()
     roi.add_argument(
-        "--roi-box", type=float, nargs=6, metavar=("X0", "Y0", "Z0", "X1", "Y1", "Z1"),
+        "--roi-box",
+        type=float,
+        nargs=6,
+        metavar=("X0", "Y0", "Z0", "X1", "Y1", "Z1"),
         help="the object lies between these two corners",
-    )  # fmt: skip
+    )
     roi.add_argument(
-        "--roi-sphere", type=float, nargs=4, metavar=("X", "Y", "Z", "R"),
+        "--roi-sphere",
+        type=float,
+        nargs=4,
+        metavar=("X", "Y", "Z", "R"),
         help="the object lies in this sphere",
-    )  # fmt: skip
+    )
     scene.add_argument("--voxel-size", type=float, metavar="M")
     scene.add_argument("--max-depth", type=float, metavar="M", help="what is further is background")
     scene.add_argument(
-        "--up", type=float, nargs=3, metavar=("X", "Y", "Z"),
+        "--up",
+        type=float,
+        nargs=3,
+        metavar=("X", "Y", "Z"),
         help="up in the poses' world, default 0 0 1; 7-Scenes: 0 -1 0",
-    )  # fmt: skip
+    )
     scene.add_argument(
-        "--intrinsics", type=float, nargs=4, metavar=("FX", "FY", "CX", "CY"),
+        "--intrinsics",
+        type=float,
+        nargs=4,
+        metavar=("FX", "FY", "CX", "CY"),
         help="calibration of a folder of frames, pixels",
-    )  # fmt: skip
+    )
     parser.set_defaults(run=run)
 
 

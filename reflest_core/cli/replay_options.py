@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from reflest_core.capture.formats.topics import TopicChoice
 from reflest_core.capture.settings import CaptureSettings
-from reflest_core.capture.topics import TopicChoice
 from reflest_core.estimation.settings import ReflestSettings, with_values
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.parameter import ParameterError

@@ -41,9 +41,13 @@ def replay(options: argparse.Namespace) -> None:
     pinhole = tuple(options.intrinsics) if options.intrinsics else None
     topics = topic_choice(options)
     capture = open_capture(
-        options.capture, topics, settings.capture, pinhole, _warn_of_refusal,
+        options.capture,
+        topics,
+        settings.capture,
+        pinhole,
+        _warn_of_refusal,
         lambda _: scanner.restart_clock(),
-    )  # fmt: skip
+    )
     scanner = Scanner(settings)
     result = ReplayResult()
     _scan(capture, scanner, result)

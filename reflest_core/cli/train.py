@@ -19,7 +19,7 @@ from reflest_core.cli.training_run import follow, started
 from reflest_core.parameter import ParameterError
 
 if TYPE_CHECKING:
-    from reflest_core.training.data import TrainingData
+    from reflest_core.training.data.sample_sets import TrainingData
     from reflest_core.training.processes import Processes
     from reflest_core.training.recipe import Recipe
 
@@ -33,20 +33,24 @@ def add_parser(subparsers: Any) -> None:
         "minibatch among N processes.",
     )
     parser.add_argument(
-        "data", type=Path, nargs="+",
+        "data",
+        type=Path,
+        nargs="+",
         help="folders of 'reflest synbrdf generate', or of --pack; validation is the first's",
-    )  # fmt: skip
+    )
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--variant", help="a variant of Table 2, such as grouplet-rmse1-ec")
     what.add_argument("--all", action="store_true", help="all seven, each in OUT/<variant>")
     what.add_argument(
-        "--pack", action="store_true",
+        "--pack",
+        action="store_true",
         help="train nothing: write into OUT what training reads, a twelfth of the data's size",
-    )  # fmt: skip
+    )
     what.add_argument(
-        "--model", choices=("lightnet", "hemicnn", "grouplet"),
+        "--model",
+        choices=("lightnet", "hemicnn", "grouplet"),
         help="the latter two with --loss and --lambda",
-    )  # fmt: skip
+    )
     parser.add_argument("--loss", choices=("rmse1", "rmse2", "cuberoot"), help="default: rmse1")
     parser.add_argument(
         "--lambda", dest="colour_constancy", type=float, help="weight of E_c (Eq. 4); default: 0"
@@ -55,17 +59,22 @@ def add_parser(subparsers: Any) -> None:
         "--recipe", choices=("ours", "paper"), default="ours", help="what is not given otherwise"
     )
     parser.add_argument(
-        "--from", dest="start", type=Path, metavar="WEIGHTS",
+        "--from",
+        dest="start",
+        type=Path,
+        metavar="WEIGHTS",
         help="begin with these weights, of another variant perhaps; its last layer is made anew "
         "where the loss is written in other parameters",
-    )  # fmt: skip
+    )
     add_recipe_options(parser)
     add_light_options(parser)
     parser.add_argument(
-        "--realism", nargs="*", metavar="EFFECT",
+        "--realism",
+        nargs="*",
+        metavar="EFFECT",
         help="train on every scene a second time, with the faults of a real capture; "
         "no EFFECT: all of them",
-    )  # fmt: skip
+    )
     parser.add_argument("--device", default="auto", help="auto, cpu, cuda or cuda:N")
     parser.add_argument("--threads", type=int, help="CPU threads; default: all")
     parser.add_argument("--validate-every", type=int, default=1000, metavar="MINIBATCHES")
@@ -87,7 +96,7 @@ def run(arguments: argparse.Namespace) -> int:
         torch.set_num_threads(arguments.threads)
     _refuse_contradictions(arguments)
     if arguments.pack:
-        from reflest_core.training.data import pack
+        from reflest_core.training.data.sample_sets import pack
 
         pack(_load(arguments), arguments.out)
         return 0
@@ -120,8 +129,8 @@ def _refuse_contradictions(arguments: argparse.Namespace) -> None:
 
 def _load(arguments: argparse.Namespace) -> TrainingData:
     from reflest_core.synbrdf.realism.settings import Realism, parse_effects
-    from reflest_core.training.data import load_training_data
-    from reflest_core.training.sample import Degradation
+    from reflest_core.training.data.sample import Degradation
+    from reflest_core.training.data.sample_sets import load_training_data
 
     if arguments.realism is None:
         return load_training_data(arguments.data)
@@ -138,7 +147,7 @@ def _train(
     name: str,
     processes: Processes,
 ) -> None:
-    from reflest_core.training.surface_course import SurfaceCourse
+    from reflest_core.training.surface.surface_course import SurfaceCourse
 
     recipe, start = started(changed_recipe(base, arguments, parts=processes.count), arguments)
     course = SurfaceCourse(recipe, data, processes.device)

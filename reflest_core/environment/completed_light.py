@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.lab import LUMINANCE_WEIGHTS
-from reflest_core.features.light.completion import complete, halved_to
-from reflest_core.features.light.explained_light import explain
-from reflest_core.fusion.light_map import ObservedLight
-from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.fusion.octahedral import octahedral_directions, octahedral_solid_angles
+from reflest_core.inference.explained_light import explain
+from reflest_core.light.completion import complete, halved_to
+from reflest_core.light.light_map import ObservedLight
+from reflest_core.light.octahedral import octahedral_directions, octahedral_solid_angles
+from reflest_core.surface.observed_surface import ObservedSurface
 
 LEAST_VOXELS = 50
 """The colours of fewer tell nothing of the light."""

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.environment.completed_light import completed_light
-from reflest_core.environment.equirectangular import equirectangular_directions
-from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.fusion.octahedral import octahedral_texels
+from reflest_core.light.equirectangular import equirectangular_directions
+from reflest_core.light.octahedral import octahedral_texels
+from reflest_core.surface.observed_surface import ObservedSurface
 
 HEIGHT = 128
 """Rows by default: 1.4 degrees each, finer than a texel of the light map."""

@@ -18,11 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.lab import luminance
-from reflest_core.environment.equirectangular import (
+from reflest_core.environment.room import Room
+from reflest_core.light.equirectangular import (
     equirectangular_directions,
     equirectangular_solid_angles,
 )
-from reflest_core.environment.known_light import (
+from reflest_core.light.known_light import (
     FEWEST,
     NAME,
     JoinedLight,
@@ -30,9 +31,8 @@ from reflest_core.environment.known_light import (
     KnownLightError,
     tells_ratios,
 )
-from reflest_core.environment.room import Room
-from reflest_core.fusion.light_map import SIZE, ObservedLight
-from reflest_core.fusion.octahedral import octahedral_texels
+from reflest_core.light.light_map import SIZE, ObservedLight
+from reflest_core.light.octahedral import octahedral_texels
 
 HEIGHT = 64
 """Rows in which rooms are compared: 2.8 degrees."""

@@ -10,14 +10,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.environment.environment_reader import read_radiance
-from reflest_core.environment.equirectangular import equirectangular_directions
-from reflest_core.environment.equirectangular_lookup import radiance_from
-from reflest_core.environment.known_light import NAME, KnownLight, KnownLightError
 from reflest_core.errors import ReflestError
-from reflest_core.fusion.light_map import SIZE
-from reflest_core.fusion.octahedral import octahedral_directions, octahedral_texels
 from reflest_core.fusion.scan import Scan
+from reflest_core.light.environment_reader import read_radiance
+from reflest_core.light.equirectangular import equirectangular_directions
+from reflest_core.light.equirectangular_lookup import radiance_from
+from reflest_core.light.known_light import NAME, KnownLight, KnownLightError
+from reflest_core.light.light_map import SIZE
+from reflest_core.light.octahedral import octahedral_directions, octahedral_texels
 
 SCAN_HEIGHT = 2 * SIZE
 """Rows that a scan's light is laid out in: 0.9 degrees, finer than its texels."""

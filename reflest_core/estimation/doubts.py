@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.estimation.settings import EstimationSettings
-from reflest_core.features.light.light_knowledge import LightKnowledge
+from reflest_core.light.light_knowledge import LightKnowledge
 
 Doubt = tuple[EstimateStatus, str]
 

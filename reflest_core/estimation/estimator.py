@@ -17,10 +17,10 @@ from reflest_core.errors import ReflestError
 from reflest_core.estimation.doubts import Evidence, doubts
 from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
 from reflest_core.estimation.settings import EstimationSettings
-from reflest_core.features.coverage import hemisphere_coverage
-from reflest_core.features.upright import upright
-from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.models.predictor import Predictor
+from reflest_core.surface.coverage import hemisphere_coverage
+from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.surface.upright import upright
 
 
 class NoEstimate(ReflestError):
@@ -57,9 +57,13 @@ class Estimator:
         lightness, a, b, c, d = ward_to_labcd(ward).tolist()
         coverage = hemisphere_coverage(surface, prediction.voxels)
         evidence = Evidence(
-            len(prediction.voxels), self.predictor.voxels, coverage, prediction.light, rho_s,
+            len(prediction.voxels),
+            self.predictor.voxels,
+            coverage,
+            prediction.light,
+            rho_s,
             light_problem,
-        )  # fmt: skip
+        )
         found = list(doubts(evidence, self.settings))
         return BrdfEstimate(
             stamp_ns=stamp_ns,

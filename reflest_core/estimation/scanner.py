@@ -20,9 +20,9 @@ from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.keyframe import KeyframePolicy
-from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import RegionSettings
+from reflest_core.surface.observed_surface import ObservedSurface
 
 
 @dataclass(frozen=True)
@@ -85,9 +85,15 @@ class Scanner:
             joined = self._known_light.joined(surface.light)
             surface, problem = replace(surface, light=joined.light), joined.problem
         return KeyframeSnapshot(
-            scan.last_stamp_ns or 0, scan.frame_id, surface, scan.world_frame_id,
-            self._last_pose, scan.store.observed_count, scan.observation_count, problem,
-        )  # fmt: skip
+            scan.last_stamp_ns or 0,
+            scan.frame_id,
+            surface,
+            scan.world_frame_id,
+            self._last_pose,
+            scan.store.observed_count,
+            scan.observation_count,
+            problem,
+        )
 
     def estimate(self, snapshot: KeyframeSnapshot) -> BrdfEstimate:
         """Estimate from a snapshot; raises :class:`NoEstimate` with the reason."""

@@ -45,20 +45,23 @@ class EstimationSettings:
     low_coverage: float = parameter(
         0.15,
         "Below this share of each voxel's view directions an estimate is marked LOW_COVERAGE.",
-        minimum=0.0, maximum=1.0,
-    )  # fmt: skip
+        minimum=0.0,
+        maximum=1.0,
+    )
     low_light: float = parameter(
         0.1,
         "Below this share of the directions that light the surface, as the background showed them, "
         "lightnet's estimate is marked LOW_LIGHT.",
-        minimum=0.0, maximum=1.0,
-    )  # fmt: skip
+        minimum=0.0,
+        maximum=1.0,
+    )
     clipped_light: float = parameter(
         0.6,
         "Above this share of the light from overexposed background lightnet's estimate is marked "
         "CLIPPED_LIGHT.",
-        minimum=0.0, maximum=1.0,
-    )  # fmt: skip
+        minimum=0.0,
+        maximum=1.0,
+    )
     low_gloss: float = parameter(
         0.02, "Below this rho_s an estimate is marked UNCERTAIN_GLOSS.", minimum=0.0, maximum=1.0
     )

@@ -13,9 +13,9 @@ from reflest_core.capture import warm_up as capture
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.fusion import warm_up as fusion
-from reflest_core.fusion.light_map import LightMap
-from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.light.light_map import LightMap
 from reflest_core.models.weights import shipped_models
+from reflest_core.surface.observed_surface import ObservedSurface
 
 SIDE, VIEWS = 32, 6
 """32 x 32 voxels are more than any network chooses or ``min_voxels`` can ask for."""

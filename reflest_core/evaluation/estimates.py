@@ -13,7 +13,7 @@ from tqdm import tqdm
 
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.estimator import Estimator
-from reflest_core.training.sample import Sample
+from reflest_core.training.data.sample import Sample
 
 
 @dataclass(frozen=True)

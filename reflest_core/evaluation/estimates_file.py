@@ -13,7 +13,7 @@ from reflest_core.evaluation.contenders import EvaluationError
 from reflest_core.evaluation.estimates import SceneEstimates
 from reflest_core.evaluation.record_file import read_record
 from reflest_core.evaluation.table_2 import Estimates
-from reflest_core.training.sample import Sample
+from reflest_core.training.data.sample import Sample
 
 
 def as_figures(estimates: Estimates, splits: dict[str, list[Sample]]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from reflest_core.evaluation.contenders import EvaluationError
-from reflest_core.evaluation.plots import (
+from reflest_core.evaluation.pictures.plots import (
     draw_accuracy,
     draw_reliability,
     draw_scatter,

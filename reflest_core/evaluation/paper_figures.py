@@ -7,8 +7,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 MATERIALS = (
-    "m3331", "m3905", "m1161", "m3522", "m3665", "m1891", "m586", "m2646", "m3601", "m947",
-)  # fmt: skip
+    "m3331",
+    "m3905",
+    "m1161",
+    "m3522",
+    "m3665",
+    "m1891",
+    "m586",
+    "m2646",
+    "m3601",
+    "m947",
+)
 """The ten of Table 3."""
 
 

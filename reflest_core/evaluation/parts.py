@@ -9,10 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from reflest_core.evaluation.ablation import collect_ablation
-from reflest_core.evaluation.baselines import measure_baselines
-from reflest_core.evaluation.calibration import measure_calibration
-from reflest_core.evaluation.contact_sheet import SHOWN, draw_contact_sheet
 from reflest_core.evaluation.contenders import (
     LIGHTNET,
     EvaluationError,
@@ -22,30 +18,34 @@ from reflest_core.evaluation.contenders import (
 )
 from reflest_core.evaluation.estimates import SceneEstimates
 from reflest_core.evaluation.estimates_file import as_figures
-from reflest_core.evaluation.failure_pictures import (
+from reflest_core.evaluation.pictures.contact_sheet import SHOWN, draw_contact_sheet
+from reflest_core.evaluation.pictures.failure_pictures import (
     Picture,
     draw_failure,
     fullest_view,
     thumbnail_picture,
 )
-from reflest_core.evaluation.failures import find_failures
-from reflest_core.evaluation.held_out_lights import measure_held_out_lights
-from reflest_core.evaluation.look_around_study import measure_look_around
-from reflest_core.evaluation.perception import measure_perception
+from reflest_core.evaluation.pictures.perception import measure_perception
 from reflest_core.evaluation.quick_check import write_expected
 from reflest_core.evaluation.quick_set import QUICK_SET, VARIANT, save_quick_set
-from reflest_core.evaluation.realism_cost import measure_realism
-from reflest_core.evaluation.realism_training import measure_realism_training
 from reflest_core.evaluation.shown_scenes import load_shown, random_subset
-from reflest_core.evaluation.size_and_latency import measure_eight_bit, measure_latency
 from reflest_core.evaluation.source_scenes import SourceScenes
-from reflest_core.evaluation.study import Study
+from reflest_core.evaluation.studies.ablation import collect_ablation
+from reflest_core.evaluation.studies.baselines import measure_baselines
+from reflest_core.evaluation.studies.calibration import measure_calibration
+from reflest_core.evaluation.studies.failures import find_failures
+from reflest_core.evaluation.studies.held_out_lights import measure_held_out_lights
+from reflest_core.evaluation.studies.look_around_study import measure_look_around
+from reflest_core.evaluation.studies.realism_cost import measure_realism
+from reflest_core.evaluation.studies.realism_training import measure_realism_training
+from reflest_core.evaluation.studies.size_and_latency import measure_eight_bit, measure_latency
+from reflest_core.evaluation.studies.study import Study
+from reflest_core.evaluation.studies.time_accuracy import measure_time_accuracy
+from reflest_core.evaluation.studies.view_study import measure_views
 from reflest_core.evaluation.table_2 import measure_table_2, measure_table_3
-from reflest_core.evaluation.time_accuracy import measure_time_accuracy
-from reflest_core.evaluation.view_study import measure_views
 from reflest_core.models.normalisation import ParameterStatistics
-from reflest_core.synbrdf.scene_file import SynbrdfScene
-from reflest_core.training.sample import Sample
+from reflest_core.synbrdf.scenes.scene_file import SynbrdfScene
+from reflest_core.training.data.sample import Sample
 
 Figures = dict[str, Any]
 
@@ -120,9 +120,13 @@ def _failures(study: Study) -> Figures:
         row = failure["row"]
         failure["picture"] = f"failures/{number:02d}.png"
         draw_failure(
-            study.settings.out / failure["picture"], photographed(scenes[row]),
-            samples[row].surface.light, study.swatches[0], samples[row].ward, made.ward[row],
-        )  # fmt: skip
+            study.settings.out / failure["picture"],
+            photographed(scenes[row]),
+            samples[row].surface.light,
+            study.swatches[0],
+            samples[row].ward,
+            made.ward[row],
+        )
     return found
 
 
@@ -131,7 +135,7 @@ def _photographer(study: Study) -> Callable[[SynbrdfScene], Picture]:
     settings = study.settings
     if settings.meshes is None:
         return lambda scene: thumbnail_picture(scene, fullest_view(scene))
-    from reflest_core.evaluation.close_ups import CloseUps
+    from reflest_core.evaluation.pictures.close_ups import CloseUps
 
     close_ups = CloseUps(settings.data, settings.environments, settings.meshes)
     return lambda scene: close_ups.picture(scene, fullest_view(scene))

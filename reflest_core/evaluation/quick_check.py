@@ -8,11 +8,11 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from reflest_core.evaluation.accuracy import Accuracy, accuracy
 from reflest_core.evaluation.contenders import Contender, EvaluationError, find_contenders, named
 from reflest_core.evaluation.estimates import estimate_all
 from reflest_core.evaluation.quick_set import EXPECTED, QUICK_SET, VARIANT
-from reflest_core.training.sample_file import read_samples
+from reflest_core.evaluation.statistics.accuracy import Accuracy, accuracy
+from reflest_core.training.data.sample_file import read_samples
 
 TOLERANCE = 1e-3
 """Other processors round sums in another order."""

@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.features.voxel_choice import choose_voxels
-from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.models.model_choice import MODELS
-from reflest_core.training.sample import Sample
-from reflest_core.training.sample_file import PER_OBSERVATION, PER_VOXEL, save_samples
+from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.surface.voxel_choice import choose_voxels
+from reflest_core.training.data.sample import Sample
+from reflest_core.training.data.sample_file import PER_OBSERVATION, PER_VOXEL, save_samples
 
 QUICK_SET = Path(__file__).parent / "quick" / "validation.safetensors"
 EXPECTED = QUICK_SET.with_name("expected.json")

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from reflest_core.evaluation.contenders import EvaluationError
-from reflest_core.synbrdf.scene_file import MANIFEST
+from reflest_core.synbrdf.scenes.scene_file import MANIFEST
 
 NUMBERS = re.compile(r"\[([-+.\deE,\s]+)\]")
 

@@ -12,16 +12,16 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.synbrdf.scene_file import SynbrdfScene
-from reflest_core.synbrdf.scene_light import Background
-from reflest_core.training.sample import (
+from reflest_core.synbrdf.relit.scene_light import Background
+from reflest_core.synbrdf.scenes.scene_file import SynbrdfScene
+from reflest_core.training.data.sample import (
     Degradation,
     Sample,
     TrainingError,
     sample_of,
     usable_scenes,
 )
-from reflest_core.training.scanned_scene import scanned
+from reflest_core.training.data.scanned_scene import scanned
 
 Scene = TypeVar("Scene", SynbrdfScene, Sample)
 

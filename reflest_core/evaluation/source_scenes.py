@@ -10,13 +10,13 @@ from typing import Any
 from reflest_core.environment.known_rooms import KnownRooms
 from reflest_core.environment.room import Room
 from reflest_core.evaluation.contenders import EvaluationError
-from reflest_core.synbrdf.data_folder import read_manifest
-from reflest_core.synbrdf.environments import load_environment
-from reflest_core.synbrdf.generation import Generation
-from reflest_core.synbrdf.metering import Metering
-from reflest_core.synbrdf.scene import Lighting, Scene
-from reflest_core.synbrdf.scene_file import SynbrdfScene
-from reflest_core.synbrdf.splits import Split
+from reflest_core.synbrdf.generation.data_folder import read_manifest
+from reflest_core.synbrdf.generation.data_set import Generation
+from reflest_core.synbrdf.lights.environments import load_environment
+from reflest_core.synbrdf.scenes.metering import Metering
+from reflest_core.synbrdf.scenes.scene import Lighting, Scene
+from reflest_core.synbrdf.scenes.scene_file import SynbrdfScene
+from reflest_core.synbrdf.scenes.splits import Split
 
 
 class SourceScenes:

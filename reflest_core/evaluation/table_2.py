@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from reflest_core.evaluation.accuracy import Accuracy, accuracy, scene_errors
-from reflest_core.evaluation.breakdown import break_down
 from reflest_core.evaluation.contenders import Contender
 from reflest_core.evaluation.estimates import SceneEstimates, estimate_all
 from reflest_core.evaluation.paper_figures import MATERIALS, TABLES_2_AND_3
-from reflest_core.training.sample import Sample
+from reflest_core.evaluation.statistics.accuracy import Accuracy, accuracy, scene_errors
+from reflest_core.evaluation.statistics.breakdown import break_down
+from reflest_core.training.data.sample import Sample
 
 MATERIAL_SEED = 3
 """Draws Table 3's ten scenes from the validation split."""

@@ -15,7 +15,7 @@ from reflest_core.whole_file import write_whole
 
 if TYPE_CHECKING:
     from reflest_core.environment.environment_map import EnvironmentMap
-    from reflest_core.fusion.observed_surface import ObservedSurface
+    from reflest_core.surface.observed_surface import ObservedSurface
 
 LIGHT_FORMATS: dict[str, tuple[str, Callable[[EnvironmentMap, str], bytes]]] = {
     "hdr": (".hdr", radiance_hdr),

@@ -8,7 +8,7 @@ The mapping, with ``f = base (1 - F) / pi + F lobe``:
 - ``base = rho_d / (1 - rho_s)``, which gives back ``rho_d`` after the facets took their share.
   Energy conservation (``max(rho_d) + rho_s <= 1``) keeps it in [0, 1].
 - ``roughness = sqrt(alpha_ggx)``, as both formats define it; ``alpha_ggx`` from
-  :func:`reflest_core.export.ggx.ggx_alpha`.
+  :func:`reflest_core.brdf.ggx.ggx_alpha`.
 - Nothing is metal: Ward's highlight has no colour.
 """
 
@@ -17,8 +17,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from reflest_core.brdf.ggx import ggx_alpha
 from reflest_core.brdf.parameters import WardParameters
-from reflest_core.export.ggx import ggx_alpha
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,9 @@
 """Mitsuba 3: a scene of a sphere; its ``bsdf`` element is the material to take elsewhere.
 
 ``ward_scene`` names our plugin ``reflest_ward``, which is the estimate exactly: import
-``reflest_core.synbrdf.ward_bsdf`` before ``mi.load_file``. ``stock_scene`` needs no plugin: it
-mixes a white Beckmann mirror (weight ``rho_s``) with a diffuse base of ``rho_d / (1 - rho_s)``.
+``reflest_core.synbrdf.path_tracing.ward_bsdf`` before ``mi.load_file``. ``stock_scene`` needs no
+plugin: it mixes a white Beckmann mirror (weight ``rho_s``) with a diffuse base of
+``rho_d / (1 - rho_s)``.
 Ward's lobe is Beckmann's with the same ``alpha`` but for its normalisation, so the highlights agree
 and only grazing angles differ.
 """

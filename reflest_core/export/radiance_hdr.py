@@ -1,12 +1,12 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Radiance ``.hdr``: an environment in four bytes a pixel (:mod:`reflest_core.brdf.rgbe`)."""
+"""Radiance ``.hdr``: an environment in four bytes a pixel (:mod:`reflest_core.light.rgbe`)."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from reflest_core.brdf import rgbe
+from reflest_core.light import rgbe
 
 if TYPE_CHECKING:
     from reflest_core.environment.environment_map import EnvironmentMap

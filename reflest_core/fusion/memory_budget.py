@@ -12,12 +12,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from reflest_core.fusion.light_map import BYTES_OF_LIGHT
-from reflest_core.fusion.observation_chunks import BYTES_PER_CHUNK, CHUNK
-from reflest_core.fusion.observation_store import BYTES_PER_VOXEL
+from reflest_core.fusion.observations.observation_chunks import BYTES_PER_CHUNK, CHUNK
+from reflest_core.fusion.observations.observation_store import BYTES_PER_VOXEL
+from reflest_core.fusion.observations.views import BYTES_PER_VIEW, VIEW_CAPACITY
 from reflest_core.fusion.settings import FusionSettings
-from reflest_core.fusion.tsdf import BYTES_PER_BLOCK
-from reflest_core.fusion.views import BYTES_PER_VIEW, VIEW_CAPACITY
+from reflest_core.fusion.tsdf.volume import BYTES_PER_BLOCK
+from reflest_core.light.light_map import BYTES_OF_LIGHT
 
 WORKING_MB = 48.0
 """What a process takes beyond the budget while it fuses VGA frames, in 10^6 bytes: images, what is

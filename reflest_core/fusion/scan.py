@@ -13,27 +13,27 @@ from numpy.typing import NDArray
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.errors import ReflestError
-from reflest_core.fusion.background_light import background_pixels
-from reflest_core.fusion.colour_statistics import foreground_background_means
-from reflest_core.fusion.exposure_gain import may_share_view
-from reflest_core.fusion.foreground import classify_pixels
+from reflest_core.fusion.frames.background_light import background_pixels
+from reflest_core.fusion.frames.foreground import classify_pixels
+from reflest_core.fusion.frames.object_in_sight import KnownObject
+from reflest_core.fusion.frames.region import Region
+from reflest_core.fusion.frames.visibility import visible_voxels
+from reflest_core.fusion.frames.window import cropped, object_window
 from reflest_core.fusion.fused_frame import FusedFrame
-from reflest_core.fusion.light_map import LightMap
 from reflest_core.fusion.memory_budget import MemoryBudget
-from reflest_core.fusion.object_in_sight import KnownObject
-from reflest_core.fusion.observation_chunks import ChunkPool
-from reflest_core.fusion.observation_store import ObservationStore
-from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.fusion.redundancy import WELL_KNOWN_SHARE, known_frame
-from reflest_core.fusion.region import Region
+from reflest_core.fusion.observations.colour_statistics import foreground_background_means
+from reflest_core.fusion.observations.observation_chunks import ChunkPool
+from reflest_core.fusion.observations.observation_store import ObservationStore
+from reflest_core.fusion.observations.redundancy import WELL_KNOWN_SHARE, known_frame
+from reflest_core.fusion.observations.surface_exposure import surface_shifts
+from reflest_core.fusion.observations.views import ViewTable
 from reflest_core.fusion.scan_file import ScanFileError, read_scan, restore_rows, write_scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.fusion.snapshot import observed_surface
-from reflest_core.fusion.surface_exposure import surface_shifts
-from reflest_core.fusion.tsdf import TsdfVolume
-from reflest_core.fusion.views import ViewTable
-from reflest_core.fusion.visibility import visible_voxels
-from reflest_core.fusion.window import cropped, object_window
+from reflest_core.fusion.tsdf.volume import TsdfVolume
+from reflest_core.light.exposure_gain import may_share_view
+from reflest_core.light.light_map import LightMap
+from reflest_core.surface.observed_surface import ObservedSurface
 
 NEW_SURFACE_SHARE = 0.2
 """A frame near a stored view is a new view if more than this share of what it sees is new."""
@@ -118,9 +118,19 @@ class Scan:
         )
         if known is not None and self.views.frames[known.view] >= self.fusion.frames_per_view:
             return FusedFrame(
-                frame.stamp_ns, frame.frame_id, known.view, False, True, foreground, background,
-                0, 0, 0, 0, 0,
-            )  # fmt: skip
+                frame.stamp_ns,
+                frame.frame_id,
+                known.view,
+                False,
+                True,
+                foreground,
+                background,
+                0,
+                0,
+                0,
+                0,
+                0,
+            )
         self.frame_number += 1
 
         # The surface: fuse the depth, then renew what the store knows of the blocks it changed.
@@ -132,9 +142,19 @@ class Scan:
         if known is not None and known.share >= WELL_KNOWN_SHARE:
             self.views.frames[known.view] += 1
             return FusedFrame(
-                frame.stamp_ns, frame.frame_id, known.view, False, False, foreground, background,
-                len(in_sight), len(changed), 0, 0, 0,
-            )  # fmt: skip
+                frame.stamp_ns,
+                frame.frame_id,
+                known.view,
+                False,
+                False,
+                foreground,
+                background,
+                len(in_sight),
+                len(changed),
+                0,
+                0,
+                0,
+            )
         surface = self.volume.extract(changed, threads)
         self.store.move(surface.left, surface.left_to)
         stored = self.store.find(surface.keys, threads)
@@ -162,9 +182,10 @@ class Scan:
         view, is_new_view, kept = None, False, 0
         if len(rows):
             near = self.views.near(
-                frame.camera_centre, positions.mean(axis=0, dtype=np.float64),
+                frame.camera_centre,
+                positions.mean(axis=0, dtype=np.float64),
                 self.fusion.view_spacing,
-            )  # fmt: skip
+            )
             unseen = self.store.unseen_from(rows, near, threads)
             is_new_view = (
                 len(near) == 0
@@ -175,9 +196,19 @@ class Scan:
             self.views.frames[view] += 1
             kept = self.store.observe(rows[unseen], colours[unseen], view, self.views.centres)
         return FusedFrame(
-            frame.stamp_ns, frame.frame_id, view, is_new_view, False, foreground, background,
-            len(in_sight), len(changed), len(surface.keys), len(seen), kept,
-        )  # fmt: skip
+            frame.stamp_ns,
+            frame.frame_id,
+            view,
+            is_new_view,
+            False,
+            foreground,
+            background,
+            len(in_sight),
+            len(changed),
+            len(surface.keys),
+            len(seen),
+            kept,
+        )
 
     def _fuse_light(self, frame: Frame) -> FusedFrame:
         """Keep what a frame beside the object shows of the light that falls on it."""
@@ -187,9 +218,19 @@ class Scan:
             *background_pixels(frame, nothing, frame.depth, known.centre, known.radius)
         )
         return FusedFrame(
-            frame.stamp_ns, frame.frame_id, None, False, False,
-            *foreground_background_means(frame.rgb, nothing), 0, 0, 0, 0, 0, is_light_alone=True,
-        )  # fmt: skip
+            frame.stamp_ns,
+            frame.frame_id,
+            None,
+            False,
+            False,
+            *foreground_background_means(frame.rgb, nothing),
+            0,
+            0,
+            0,
+            0,
+            0,
+            is_light_alone=True,
+        )
 
     def snapshot(self) -> ObservedSurface:
         """A copy of what has been observed, of bounded size (``snapshot.MOST_VOXELS``)."""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.light_map import LightMap
+from reflest_core.light.light_map import LightMap
 
 Arrays = dict[str, NDArray[Any]]
 

@@ -17,9 +17,12 @@ class FusionSettings:
         0.005, "Edge of a TSDF voxel.", unit="m", minimum=0.001, maximum=0.1
     )
     truncation: float = parameter(
-        4.0, "Distance from the surface at which the signed distance is cut off.",
-        unit="voxels", minimum=2.0, maximum=16.0,
-    )  # fmt: skip
+        4.0,
+        "Distance from the surface at which the signed distance is cut off.",
+        unit="voxels",
+        minimum=2.0,
+        maximum=16.0,
+    )
     max_depth: float = parameter(
         3.0, "Depth beyond this is background.", unit="m", minimum=0.1, maximum=20.0
     )
@@ -33,26 +36,38 @@ class FusionSettings:
         2.0,
         "A frame seen from closer than this angle to a stored view (about the scene) adds no view"
         " unless it shows new surface.",
-        unit="degrees", minimum=0.0, maximum=45.0,
-    )  # fmt: skip
+        unit="degrees",
+        minimum=0.0,
+        maximum=45.0,
+    )
     frames_per_view: int = parameter(
-        8, "Frames fused from about the same view; further ones that show nothing new are redundant"
+        8,
+        "Frames fused from about the same view; further ones that show nothing new are redundant"
         " and skipped.",
-        minimum=1, maximum=100000,
-    )  # fmt: skip
+        minimum=1,
+        maximum=100000,
+    )
     max_grazing_angle: float = parameter(
-        75.0, "A view further from the normal than this does not see a voxel.",
-        unit="degrees", minimum=10.0, maximum=89.0,
-    )  # fmt: skip
+        75.0,
+        "A view further from the normal than this does not see a voxel.",
+        unit="degrees",
+        minimum=10.0,
+        maximum=89.0,
+    )
 
     depth_edge_margin: int = parameter(
-        2, "Pixels this close to a depth edge give no colour and no surface.",
-        unit="pixels", minimum=1, maximum=20,
-    )  # fmt: skip
+        2,
+        "Pixels this close to a depth edge give no colour and no surface.",
+        unit="pixels",
+        minimum=1,
+        maximum=20,
+    )
     threads: int = parameter(
-        2, "Threads that share the work on a frame; results do not depend on it.",
-        minimum=1, maximum=64,
-    )  # fmt: skip
+        2,
+        "Threads that share the work on a frame; results do not depend on it.",
+        minimum=1,
+        maximum=64,
+    )
 
     def __post_init__(self) -> None:
         check_parameters(self)
@@ -63,16 +78,19 @@ class RegionSettings:
     """The region of interest in the world frame: what lies inside is the scanned object."""
 
     shape: str = parameter(
-        "none", "Region of interest: none, box (axis-aligned) or sphere.",
+        "none",
+        "Region of interest: none, box (axis-aligned) or sphere.",
         choices=("none", "box", "sphere"),
-    )  # fmt: skip
+    )
     centre: tuple[float, float, float] = parameter(
         (0.0, 0.0, 0.0), "Centre of the region in the world frame.", unit="m"
     )
     size: tuple[float, float, float] = parameter(
-        (1.0, 1.0, 1.0), "Edges of the box; a sphere uses the first value as its diameter.",
-        unit="m", minimum=0.0,
-    )  # fmt: skip
+        (1.0, 1.0, 1.0),
+        "Edges of the box; a sphere uses the first value as its diameter.",
+        unit="m",
+        minimum=0.0,
+    )
 
     def __post_init__(self) -> None:
         check_parameters(self)
@@ -89,9 +107,12 @@ class KeyframeSettings:
         15.0, "Camera rotation that makes a keyframe.", unit="degrees", minimum=0.1, maximum=180.0
     )
     interval: float = parameter(
-        2.0, "Image time since the last keyframe that makes one.", unit="s",
-        minimum=0.01, maximum=3600.0,
-    )  # fmt: skip
+        2.0,
+        "Image time since the last keyframe that makes one.",
+        unit="s",
+        minimum=0.01,
+        maximum=3600.0,
+    )
 
     def __post_init__(self) -> None:
         check_parameters(self)

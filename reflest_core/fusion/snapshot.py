@@ -6,11 +6,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from reflest_core.fusion.exposure_correction import at_one_exposure, means_at_one_exposure
-from reflest_core.fusion.observation_store import ObservationStore
-from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.fusion.thinning import thinned
-from reflest_core.fusion.views import ViewTable
+from reflest_core.fusion.observations.observation_store import ObservationStore
+from reflest_core.fusion.observations.views import ViewTable
+from reflest_core.light.exposure_correction import at_one_exposure, means_at_one_exposure
+from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.surface.thinning import thinned
 
 MOST_VOXELS = 10_000
 """A larger store is thinned, so that neither the copy nor an estimate from it costs more."""

@@ -10,11 +10,11 @@ import numpy as np
 
 from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.capture.frame import Frame
-from reflest_core.fusion.block_erasure import erase_blocks, surface_keys
-from reflest_core.fusion.eviction import least_worthy
-from reflest_core.fusion.exposure_correction import at_one_exposure
+from reflest_core.fusion.observations.eviction import least_worthy
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.fusion.tsdf.block_erasure import erase_blocks, surface_keys
+from reflest_core.light.exposure_correction import at_one_exposure
 
 BUDGET_MB = 16.0
 

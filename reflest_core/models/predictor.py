@@ -12,16 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.gloss import labcd_to_ward
-from reflest_core.features.light.light_knowledge import LightKnowledge, light_knowledge
-from reflest_core.features.voxel_choice import choose_voxels
-from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.models import lightnet_shapes, live_grouplet, live_hemicnn, live_lightnet
+from reflest_core.light.light_knowledge import LightKnowledge, light_knowledge
+from reflest_core.models.grouplet import live as live_grouplet
+from reflest_core.models.hemicnn import live as live_hemicnn
+from reflest_core.models.lightnet import live as live_lightnet
+from reflest_core.models.lightnet import shapes as lightnet_shapes
 from reflest_core.models.model_choice import MODELS
 from reflest_core.models.quantisation import Tensors
 from reflest_core.models.scores import Scores
 from reflest_core.models.threads import one_blas_thread
 from reflest_core.models.torch_network import TorchNetwork
 from reflest_core.models.weights import SHIPPED, WeightsError, check_fits, load_weights
+from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.surface.voxel_choice import choose_voxels
 
 SHAPES = {
     "hemicnn": live_hemicnn.SHAPES,

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.errors import ReflestError
-from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.models.quantisation import Tensors
 from reflest_core.models.scores import Scores
+from reflest_core.surface.observed_surface import ObservedSurface
 
 
 class DeviceError(ReflestError):
@@ -33,7 +33,7 @@ class TorchNetwork:
             raise DeviceError(
                 "estimation.device is cuda, but PyTorch finds no CUDA device: set it to cpu"
             )
-        from reflest_core.models.network_kind import NETWORKS
+        from reflest_core.models.registry import NETWORKS
 
         self._torch = torch
         self._device = device
@@ -44,7 +44,7 @@ class TorchNetwork:
 
     def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Scores:
         """The parameters of the surface, from the features of ``voxels``."""
-        from reflest_core.models.network_kind import LIVE_DRAW
+        from reflest_core.models.registry import LIVE_DRAW
 
         torch = self._torch
         inputs = self._kind.features(surface, voxels, LIVE_DRAW)

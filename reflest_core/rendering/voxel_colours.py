@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.brdf.ward import evaluate
-from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.rendering.sphere import tone_map
+from reflest_core.surface.observed_surface import ObservedSurface
 
 Colours = NDArray[np.uint8]
 
@@ -65,7 +65,11 @@ def estimate_colours(
     sine = np.sqrt(np.clip(1 - cosine**2, 0, None))
     direction = np.stack([sine, np.zeros_like(sine), cosine], axis=-1)
     value = evaluate(
-        np.array(material.rho_d), np.array(material.rho_s), np.array(material.alpha),
-        direction, direction, material.variant,
-    )  # fmt: skip
+        np.array(material.rho_d),
+        np.array(material.rho_s),
+        np.array(material.alpha),
+        direction,
+        direction,
+        material.variant,
+    )
     return tone_map(np.pi * value * np.clip(cosine, 0, None)[:, None])

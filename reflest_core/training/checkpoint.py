@@ -12,8 +12,8 @@ from typing import Any
 
 import torch
 
+from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.recipe import Recipe
-from reflest_core.training.sample import TrainingError
 from reflest_core.training.weight_average import Weights
 
 

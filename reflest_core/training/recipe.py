@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from reflest_core.training.augmentation import Augmentation
+from reflest_core.training.data.augmentation import Augmentation
 
 if TYPE_CHECKING:
     import torch
@@ -107,17 +107,50 @@ PAPER_RECIPES = {
 
 RECIPES = {
     "hemicnn": Recipe(
-        "hemicnn", "rmse1", "adam", 5e-3, 0.0, 60_000, 32, voxels=25, validation_voxels=25,
-        warm_up=500, hold=0.0, average=0.999,
+        "hemicnn",
+        "rmse1",
+        "adam",
+        5e-3,
+        0.0,
+        60_000,
+        32,
+        voxels=25,
+        validation_voxels=25,
+        warm_up=500,
+        hold=0.0,
+        average=0.999,
     ),
     "grouplet": Recipe(
-        "grouplet", "rmse1", "adam", 1e-3, 0.0, 30_000, 24, voxels=64, validation_voxels=354,
-        warm_up=500, hold=0.0, average=0.999, precision="bfloat16",
+        "grouplet",
+        "rmse1",
+        "adam",
+        1e-3,
+        0.0,
+        30_000,
+        24,
+        voxels=64,
+        validation_voxels=354,
+        warm_up=500,
+        hold=0.0,
+        average=0.999,
+        precision="bfloat16",
         augmentation=Augmentation(spread=False),
     ),
     "lightnet": Recipe(
-        "lightnet", "likelihood", "adamw", 2e-3, 0.0, 6000, 48, voxels=24, validation_voxels=48,
-        warm_up=500, hold=0.0, average=0.998, observations=6, largest_gradient=1.0,
+        "lightnet",
+        "likelihood",
+        "adamw",
+        2e-3,
+        0.0,
+        6000,
+        48,
+        voxels=24,
+        validation_voxels=48,
+        warm_up=500,
+        hold=0.0,
+        average=0.998,
+        observations=6,
+        largest_gradient=1.0,
     ),
-}  # fmt: skip
+}
 """Ours: Adam, a rate that falls as a cosine all along, the running mean of the weights."""

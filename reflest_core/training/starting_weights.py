@@ -11,8 +11,8 @@ import torch
 
 from reflest_core.models.quantisation import Tensors
 from reflest_core.models.weights import check_fits, load_weights
+from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.recipe import Recipe
-from reflest_core.training.sample import TrainingError
 
 LAST_LAYER = 2
 """A matrix and its bias: the last ones of a network's tensors."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from reflest_core.training.sample import TrainingError
+from reflest_core.training.data.sample import TrainingError
 
 
 @dataclass(frozen=True)

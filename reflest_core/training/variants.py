@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reflest_core.models.weights import SHIPPED
+from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.recipe import PAPER_RECIPES, RECIPES, Recipe
-from reflest_core.training.sample import TrainingError
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,13 @@ class Variant:
 
 def _grouplet(name: str, title: str, loss: str, colour_constancy: float = 0.0) -> Variant:
     return Variant(
-        f"grouplet-{name}", f"Grouplet, {title}", "grouplet", "grouplet-slow", loss,
+        f"grouplet-{name}",
+        f"Grouplet, {title}",
+        "grouplet",
+        "grouplet-slow",
+        loss,
         colour_constancy,
-    )  # fmt: skip
+    )
 
 
 def _hemicnn(name: str, title: str, loss: str, colour_constancy: float = 0.0) -> Variant:

@@ -64,9 +64,17 @@ def draw(
     for row, name in enumerate(("truth", "estimate")):
         middle = TOP + row * (SIDE + GAP) + SIDE / 2
         _write(
-            figure, SPHERES_LEFT - 0.22, middle, name, fontsize=16, weight="bold", color=INK,
-            rotation=90, ha="center", va="center",
-        )  # fmt: skip
+            figure,
+            SPHERES_LEFT - 0.22,
+            middle,
+            name,
+            fontsize=16,
+            weight="bold",
+            color=INK,
+            rotation=90,
+            ha="center",
+            va="center",
+        )
     _write(figure, SPHERES_LEFT, TOP + 2 * SIDE + GAP + 0.4, _basis(estimate), color=FAINT)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, facecolor=PAPER)
@@ -114,11 +122,19 @@ def _show_table(axes: Axes, compared: list[ComparedParameter]) -> None:
         axes.axhline(row, color=LINE, linewidth=0.8)
         axes.text(0.0, row + 0.5, one.name, color=INK, fontsize=11.5, va="center")
         values = (
-            f"{one.truth:.3f}", f"{one.estimate:.3f}", one.deviation.removeprefix("±"),
+            f"{one.truth:.3f}",
+            f"{one.estimate:.3f}",
+            one.deviation.removeprefix("±"),
             f"{one.error:+.3f}",
-        )  # fmt: skip
+        )
         for place, value in zip(places[1:], values, strict=True):
             axes.text(
-                place, row + 0.5, value, color=INK, fontsize=11.5, ha="right", va="center",
+                place,
+                row + 0.5,
+                value,
+                color=INK,
+                fontsize=11.5,
+                ha="right",
+                va="center",
                 family="DejaVu Sans Mono",
-            )  # fmt: skip
+            )

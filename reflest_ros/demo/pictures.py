@@ -34,10 +34,10 @@ from reflest_ros.demo.view_scene import (
     draw_markers,
     prepare,
 )
-from reflest_ros.markers import marker_message
-from reflest_ros.preview import preview_message
-from reflest_ros.view_settings import MarkerSettings, VoxelSettings
-from reflest_ros.voxel_cloud import cloud_message
+from reflest_ros.outputs.markers import marker_message
+from reflest_ros.outputs.preview import preview_message
+from reflest_ros.outputs.view_settings import MarkerSettings, VoxelSettings
+from reflest_ros.outputs.voxel_cloud import cloud_message
 
 DPI = 100
 FAINT = "#c8c8c8"
@@ -101,9 +101,11 @@ def voxel_picture(
         axes = figure.add_axes((place / 3 + 0.002, 0, 1 / 3 - 0.004, 0.92))
         prepare(axes, viewpoint, 0.92 * 4.2 / 4)
         cloud = cloud_message(
-            snapshot, estimate, VoxelSettings(colour=colouring.value),
+            snapshot,
+            estimate,
+            VoxelSettings(colour=colouring.value),
             settings.fusion.observations_per_voxel,
-        )  # fmt: skip
+        )
         draw_cloud(axes, cloud, viewpoint, 1.5 * settings.fusion.voxel_size)
         figure.text((place + 0.5) / 3, 0.955, caption, color=FAINT, ha="center", va="center")
     return figure

@@ -19,17 +19,24 @@ from rclpy.node import Node
 
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimate import BrdfEstimate
-from reflest_ros.estimate_message import estimate_from_message
+from reflest_ros.inputs.qos import OUTPUT_QOS
 from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
 from reflest_ros.node_name import NODE_NAME
-from reflest_ros.qos import OUTPUT_QOS
+from reflest_ros.outputs.estimate_message import estimate_from_message
 from reflest_ros.srv import Estimate
 
 PROFILE = Path(__file__).resolve().parents[2] / "config" / "fastdds_large_messages.xml"
 ESTIMATOR = [
-    "-m", "reflest_ros.estimator", "--ros-args", "--log-level", "reflest_estimator:=info",
-    "-p", "input.reliability:=reliable", "-p", "input.queue_size:=2000",
-]  # fmt: skip
+    "-m",
+    "reflest_ros.estimator",
+    "--ros-args",
+    "--log-level",
+    "reflest_estimator:=info",
+    "-p",
+    "input.reliability:=reliable",
+    "-p",
+    "input.queue_size:=2000",
+]
 START_LIMIT = 240.0
 """Seconds; the first start after installation compiles."""
 ESTIMATE_LIMIT = 60.0

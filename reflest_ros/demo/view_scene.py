@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import PointCloud2
 from visualization_msgs.msg import Marker, MarkerArray
 
-from reflest_ros.voxel_cloud import POINT
+from reflest_ros.outputs.voxel_cloud import POINT
 
 Points = NDArray[np.float64]
 
@@ -81,6 +81,12 @@ def draw_markers(axes: Axes, markers: MarkerArray, viewpoint: Viewpoint) -> None
             colour = marker.color
             points = marker.scale.z * axes.bbox.width / axes.figure.dpi * 72 / viewpoint.width
             axes.text(
-                place[0], place[1], marker.text, color=(colour.r, colour.g, colour.b),
-                fontsize=points, ha="center", va="center", family="DejaVu Sans",
-            )  # fmt: skip
+                place[0],
+                place[1],
+                marker.text,
+                color=(colour.r, colour.g, colour.b),
+                fontsize=points,
+                ha="center",
+                va="center",
+                family="DejaVu Sans",
+            )

@@ -80,9 +80,12 @@ DIAGNOSTICS = {
 """Keys of the status. ROLE: an input of the table above. CAUSE: one of the causes below."""
 
 CONDITIONAL = (
-    "incompatible QoS ROLE", "refused CAUSE", "autosave's age (s)", "autosave's duration (s)",
+    "incompatible QoS ROLE",
+    "refused CAUSE",
+    "autosave's age (s)",
+    "autosave's duration (s)",
     "autosave's failure",
-)  # fmt: skip
+)
 """Keys that a node without trouble does not show."""
 
 REFUSALS = {

@@ -15,9 +15,9 @@ from rclpy.qos import QoSProfile
 from reflest_core.capture.messages import Role
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.parameter import info_of
-from reflest_ros.input_topics import TF_TOPICS, input_topics
+from reflest_ros.inputs.input_topics import TF_TOPICS, input_topics
+from reflest_ros.inputs.qos import tf_qos
 from reflest_ros.node_reference.live_node import type_name
-from reflest_ros.qos import tf_qos
 from reflest_ros.settings import InputSettings, NodeSettings, TopicSettings
 
 RAW = (NodeSettings(), CaptureSettings(use_mask=True))
@@ -64,11 +64,15 @@ def input_rows() -> list[InputRow]:
         context.try_shutdown()
     transforms = [
         InputRow(
-            name, "", name, ("tf2_msgs/msg/TFMessage",), tf_qos(role is Role.TF_STATIC),
+            name,
+            "",
+            name,
+            ("tf2_msgs/msg/TFMessage",),
+            tf_qos(role is Role.TF_STATIC),
             TF_DESCRIPTIONS[role],
         )
         for role, name in TF_TOPICS.items()
-    ]  # fmt: skip
+    ]
     return topics + transforms
 
 
@@ -83,6 +87,10 @@ def _row(node: Node, field: dataclasses.Field[str]) -> InputRow:
     ]
     types = dict.fromkeys(type_name(topic.message_type) for topic in found)
     return InputRow(
-        field.name, f"topics.{field.name}", default, tuple(types), found[0].qos,
+        field.name,
+        f"topics.{field.name}",
+        default,
+        tuple(types),
+        found[0].qos,
         info_of(field).description,
-    )  # fmt: skip
+    )

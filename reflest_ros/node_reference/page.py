@@ -57,9 +57,16 @@ class UndescribedError(ReflestError):
 def page(facts: NodeFacts) -> str:
     """The whole page; raises :class:`UndescribedError`."""
     sections = (
-        HEADER, _lifecycle(), _inputs(), _outputs(facts), LOOKS, _estimate_message(),
-        _services(facts), _parameters(), _diagnostics(facts),
-    )  # fmt: skip
+        HEADER,
+        _lifecycle(),
+        _inputs(),
+        _outputs(facts),
+        LOOKS,
+        _estimate_message(),
+        _services(facts),
+        _parameters(),
+        _diagnostics(facts),
+    )
     return "\n".join(section.rstrip("\n") + "\n" for section in sections)
 
 
@@ -76,11 +83,14 @@ def _lifecycle() -> str:
 def _inputs() -> str:
     rows = [
         (
-            f"`{row.name}`", f"`{row.default}`", "<br>".join(f"`{t}`" for t in row.message_types),
-            _qos(row.qos), row.description,
+            f"`{row.name}`",
+            f"`{row.default}`",
+            "<br>".join(f"`{t}`" for t in row.message_types),
+            _qos(row.qos),
+            row.description,
         )
         for row in input_rows()
-    ]  # fmt: skip
+    ]
     headings = ("remap", "else parameter `topics.*`, default", "type", "QoS asked for", "what")
     return (
         "## Topics in\n\nEach topic's QoS can be overridden by the parameters "
@@ -130,11 +140,14 @@ def _parameters() -> str:
     for group, members in groups.items():
         rows = [
             (
-                f"`{one.name}`", f"`{_literal(one.default)}`", one.info.unit, _limits(one.info),
+                f"`{one.name}`",
+                f"`{_literal(one.default)}`",
+                one.info.unit,
+                _limits(one.info),
                 one.info.description,
             )
             for one in members
-        ]  # fmt: skip
+        ]
         live = " (live)" if members[0].is_live else ""
         table = _table(("parameter", "default", "unit", "range", "what"), rows)
         parts.append(f"### {group}{live}\n\n{table}")
@@ -169,10 +182,13 @@ def _same(kind: str, offered: Iterable[object], described: Iterable[object]) -> 
 
 def _fields(section: Section) -> str:
     rows = [
-        (f"`{field.name}{f' = {field.value}' if field.value else ''}`", f"`{field.kind}`",
-         field.comment)
+        (
+            f"`{field.name}{f' = {field.value}' if field.value else ''}`",
+            f"`{field.kind}`",
+            field.comment,
+        )
         for field in section.fields
-    ]  # fmt: skip
+    ]
     return _table(("field", "type", "what"), rows)
 
 

@@ -76,8 +76,13 @@ def test_every_stage_of_the_live_path_is_timed(results):
     network = MODELS[EstimationSettings().model].network
     expected -= {feature for kind, feature in FEATURES.items() if kind != network}
     assert names(stages) == expected | {
-        ASSEMBLE, FUSE, FRAME, ESTIMATE, PUBLISH, *(names(stages) & set(KINDS)),
-    }  # fmt: skip
+        ASSEMBLE,
+        FUSE,
+        FRAME,
+        ESTIMATE,
+        PUBLISH,
+        *(names(stages) & set(KINDS)),
+    }
     assert all(0.0 < one["p50_ms"] <= one["p95_ms"] <= one["p99_ms"] for one in stages)
 
 

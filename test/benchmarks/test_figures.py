@@ -85,10 +85,17 @@ def test_ours_and_open3d_are_compared_over_common_frames_alone():
 
 def test_lost_messages_are_counted_by_cause():
     diagnostics = {
-        "messages rgb": "98", "messages depth": "100", "messages camera_info": "100",
-        "messages pose": "99", "refused queue_full": "4", "refused pose_missing": "2",
-        "frames matched": "97", "frames fused": "97", "frames redundant": "5", "voxels": "7",
-    }  # fmt: skip
+        "messages rgb": "98",
+        "messages depth": "100",
+        "messages camera_info": "100",
+        "messages pose": "99",
+        "refused queue_full": "4",
+        "refused pose_missing": "2",
+        "frames matched": "97",
+        "frames fused": "97",
+        "frames redundant": "5",
+        "voxels": "7",
+    }
     estimates = [TimedEstimate(5.0, 0.01, 0.0), TimedEstimate(7.0, 0.03, 0.2)]
     found = account(100, diagnostics, estimates)
     assert found["messages_lost"] == {"on the way (DDS)": 3, "queue_full": 4}
@@ -109,8 +116,11 @@ def test_without_an_estimate_there_is_no_latency():
 
 def test_numbers_keep_three_digits():
     assert [number(value) for value in (0.1234, 12.34, 1234.5, None)] == [
-        "0.12", "12.3", "1,234", "-",
-    ]  # fmt: skip
+        "0.12",
+        "12.3",
+        "1,234",
+        "-",
+    ]
 
 
 def test_a_table_is_markdown():

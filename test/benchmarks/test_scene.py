@@ -13,7 +13,7 @@ from benchmarks.scene.recording import Recording, recorded, rendered_frames
 from benchmarks.scene.renderer import camera_of, render
 from benchmarks.scene.table_scene import ELLIPSOIDS, REGION
 from reflest_core.capture.open_capture import open_capture
-from reflest_core.fusion.region import Region
+from reflest_core.fusion.frames.region import Region
 
 CAMERA = camera_of(160, 120)
 SMALL = Recording(160, 120, 3, 10.0)

@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from reflest_core.fusion.light_map import LightMap
+from reflest_core.light.light_map import LightMap
 
 
 def lit(surface, seen=1.0, lamp=False, seed=0):

@@ -4,7 +4,7 @@
 
 import numpy as np
 
-from reflest_core.fusion.observed_surface import ObservedSurface
+from reflest_core.surface.observed_surface import ObservedSurface
 
 
 def sphere_surface(voxels=300, views=40, seed=0, colour=None):

@@ -26,6 +26,7 @@ from reflest_core.capture.refusal import FrameRefused
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from test.core.capture.images.test_rvl import message as rvl_message
 from test.core.capture.recording import (
     PERIOD_NS,
     START_NS,
@@ -37,7 +38,6 @@ from test.core.capture.recording import (
     pose_message,
     rgb_message,
 )
-from test.core.capture.test_rvl import message as rvl_message
 from test.core.fusion.scan_state import state_of
 
 CAMERA = "camera_color_optical_frame"
@@ -72,11 +72,18 @@ pixels = st.one_of(
     st.integers(0, 2**32).map(lambda seed: np.random.default_rng(seed).bytes(4 * 96 * 72)),
 )
 image = {
-    **header, "height": uint32, "width": uint32, "encoding": encodings,
-    "is_bigendian": st.booleans(), "step": uint32, "data": pixels,
-}  # fmt: skip
+    **header,
+    "height": uint32,
+    "width": uint32,
+    "encoding": encodings,
+    "is_bigendian": st.booleans(),
+    "step": uint32,
+    "data": pixels,
+}
 info = {
-    **header, "width": uint32, "height": uint32,
+    **header,
+    "width": uint32,
+    "height": uint32,
     "k": st.lists(any_float, min_size=9, max_size=9).map(tuple),
     "d": st.lists(any_float, max_size=15).map(tuple),
     "distortion_model": st.sampled_from(
@@ -85,7 +92,7 @@ info = {
     "p": st.lists(any_float, min_size=12, max_size=12).map(tuple),
     "binning": st.tuples(uint32, uint32),
     "roi": st.tuples(uint32, uint32, uint32, uint32),
-}  # fmt: skip
+}
 pose = {
     **header,
     "position": st.tuples(any_float, any_float, any_float),
@@ -93,9 +100,12 @@ pose = {
     "child_frame_id": frames,
 }
 FIELDS = {
-    Role.RGB: image, Role.DEPTH: image, Role.CAMERA_INFO: info, Role.DEPTH_INFO: info,
+    Role.RGB: image,
+    Role.DEPTH: image,
+    Role.CAMERA_INFO: info,
+    Role.DEPTH_INFO: info,
     Role.POSE: pose,
-}  # fmt: skip
+}
 damages = st.lists(
     st.one_of(
         *(
@@ -246,13 +256,15 @@ def test_damaged_compressed_images_never_crash(pipeline, image, edits, length, f
 
 transforms = st.lists(
     st.builds(
-        PoseMessage, stamp_ns=stamps, frame_id=frames,
+        PoseMessage,
+        stamp_ns=stamps,
+        frame_id=frames,
         position=pose["position"],
         orientation=st.one_of(pose["orientation"], st.just((0.0, 0.0, 0.0, 1.0))),
         child_frame_id=frames,
     ),
     max_size=4,
-).map(lambda some: TransformsMessage(tuple(some)))  # fmt: skip
+).map(lambda some: TransformsMessage(tuple(some)))
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,8 @@ import torch
 from reflest_core.brdf.parameters import WardVariant
 from reflest_core.models.calibration import Calibration
 from reflest_core.models.model_choice import MODELS
-from reflest_core.models.network_kind import NETWORKS
 from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.models.registry import NETWORKS
 from reflest_core.models.weights import WeightsCard, save_weights
 
 USUAL = ParameterStatistics(
@@ -25,9 +25,13 @@ def untrained(model, folder, calibration=None):
         torch.manual_seed(7)
         module = NETWORKS[network].make()
     card = WeightsCard(
-        network, "ward", WardVariant.WARD_1992, {"ward": USUAL, "labcd": USUAL}, {},
+        network,
+        "ward",
+        WardVariant.WARD_1992,
+        {"ward": USUAL, "labcd": USUAL},
+        {},
         calibration or Calibration(),
-    )  # fmt: skip
+    )
     save_weights(path, module.state_dict(), card, eight_bit=False)
     return path
 

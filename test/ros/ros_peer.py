@@ -18,9 +18,9 @@ from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 
 from reflest_core.estimation.estimate import BrdfEstimate
-from reflest_ros.estimate_message import estimate_from_message
+from reflest_ros.inputs.qos import OUTPUT_QOS
 from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
-from reflest_ros.qos import OUTPUT_QOS
+from reflest_ros.outputs.estimate_message import estimate_from_message
 
 NODE = "/reflest_estimator"
 WAIT = 30.0

@@ -51,10 +51,15 @@ def image(stamp_ns: int, encoding: str, pixels: np.ndarray, step: int) -> Image:
 def camera_info_message(view: View) -> CameraInfo:
     k = [FOCAL, 0.0, WIDTH / 2, 0.0, FOCAL, HEIGHT / 2, 0.0, 0.0, 1.0]
     return CameraInfo(
-        header=header(view.stamp_ns), width=WIDTH, height=HEIGHT, distortion_model="plumb_bob",
-        d=[0.0] * 5, k=k, r=np.eye(3).ravel().tolist(),
+        header=header(view.stamp_ns),
+        width=WIDTH,
+        height=HEIGHT,
+        distortion_model="plumb_bob",
+        d=[0.0] * 5,
+        k=k,
+        r=np.eye(3).ravel().tolist(),
         p=[FOCAL, 0.0, WIDTH / 2, 0.0, 0.0, FOCAL, HEIGHT / 2, 0.0, 0.0, 0.0, 1.0, 0.0],
-    )  # fmt: skip
+    )
 
 
 def pose_message(view: View) -> PoseStamped:

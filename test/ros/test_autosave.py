@@ -15,7 +15,7 @@ from sphere_scene import views
 from std_srvs.srv import Trigger
 
 from reflest_core.fusion.scan_file import read_scan
-from reflest_ros.estimate_message import estimate_from_message
+from reflest_ros.outputs.estimate_message import estimate_from_message
 from reflest_ros.srv import Estimate
 
 
@@ -26,9 +26,15 @@ def started(start, settings_file, domain_id):
 
     def one(path):
         node = start(
-            "reflest_ros.estimator", "--ros-args", "--params-file", settings_file,
-            "-p", f"autosave.path:={path}", "-p", "autosave.period:=0.1",
-        )  # fmt: skip
+            "reflest_ros.estimator",
+            "--ros-args",
+            "--params-file",
+            settings_file,
+            "-p",
+            f"autosave.path:={path}",
+            "-p",
+            "autosave.period:=0.1",
+        )
         node.wait_for_line("listening to", 200.0)
         nodes.append(node)
         peers.append(RosPeer(domain_id))

@@ -11,7 +11,7 @@ import numpy as np
 from sphere_messages import CAMERA_INFO, DEPTH, RGB, camera_info_message, depth_message, rgb_message
 from std_srvs.srv import Trigger
 
-from reflest_ros.estimate_message import estimate_from_message
+from reflest_ros.outputs.estimate_message import estimate_from_message
 from reflest_ros.srv import Estimate
 
 

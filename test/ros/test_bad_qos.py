@@ -26,7 +26,7 @@ def test_the_warning_names_topic_policies_and_fix(feed, quiet):
         f"Set input.reliability (or qos_overrides.{RGB}.subscription.reliability)",
         "best_effort",
     ):
-        assert words in warning  # fmt: skip
+        assert words in warning
     assert len(feed.node.lines_with("is not received")) == 1
 
 

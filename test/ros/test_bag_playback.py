@@ -16,7 +16,7 @@ import pytest
 from own_process import ROOT
 from std_srvs.srv import Trigger
 
-from reflest_ros.estimate_message import estimate_from_message
+from reflest_ros.outputs.estimate_message import estimate_from_message
 from reflest_ros.srv import Estimate, LoadScan, SaveScan
 
 FRAMES = 24
@@ -27,10 +27,22 @@ def replayed(sphere_bag, settings_file, tmp_path_factory):
     """The estimates of ``reflest replay``: every keyframe's and the final one."""
     out = tmp_path_factory.mktemp("replay") / "estimates.json"
     subprocess.run(
-        [sys.executable, "-m", "reflest_core.cli.main", "replay", sphere_bag,
-         "--config", settings_file, "--json", out],
-        cwd=ROOT, check=True, capture_output=True, text=True,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "reflest_core.cli.main",
+            "replay",
+            sphere_bag,
+            "--config",
+            settings_file,
+            "--json",
+            out,
+        ],
+        cwd=ROOT,
+        check=True,
+        capture_output=True,
+        text=True,
+    )
     return json.loads(out.read_text())
 
 

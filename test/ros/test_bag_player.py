@@ -46,7 +46,16 @@ def test_a_topic_that_is_not_recorded_is_named(start, sphere_bag):
 
 
 def test_without_a_subscriber_it_says_what_to_start(start, sphere_bag):
-    player = start("reflest_ros.bag_player", sphere_bag, "--topics", RGB, "--wait", "0.2",
-                   "--ros-args", "-r", f"{RGB}:=/nobody/listens")  # fmt: skip
+    player = start(
+        "reflest_ros.bag_player",
+        sphere_bag,
+        "--topics",
+        RGB,
+        "--wait",
+        "0.2",
+        "--ros-args",
+        "-r",
+        f"{RGB}:=/nobody/listens",
+    )
     assert player.exit_code() == 2
     assert "start the estimator" in player.output

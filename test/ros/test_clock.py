@@ -33,10 +33,17 @@ def resets(request):
 @pytest.fixture(scope="module")
 def jumping(start, settings_file, resets):
     node = start(
-        "reflest_ros.estimator", "--ros-args", "--params-file", settings_file,
-        "-p", "use_sim_time:=true", "-p", "capture.clock_jump:=0.05",
-        "-p", f"input.reset_on_clock_jump:={str(resets).lower()}",
-    )  # fmt: skip
+        "reflest_ros.estimator",
+        "--ros-args",
+        "--params-file",
+        settings_file,
+        "-p",
+        "use_sim_time:=true",
+        "-p",
+        "capture.clock_jump:=0.05",
+        "-p",
+        f"input.reset_on_clock_jump:={str(resets).lower()}",
+    )
     node.wait_for_line("listening to", 200.0)
     yield node
     node.interrupt()

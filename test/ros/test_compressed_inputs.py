@@ -29,10 +29,17 @@ RGB_PACKED, DEPTH_PACKED, ODOM = f"{RGB}/compressed", f"{DEPTH}/compressedDepth"
 @pytest.fixture(scope="module")
 def node(start, settings_file):
     process = start(
-        "reflest_ros.estimator", "--ros-args", "--params-file", settings_file,
-        "-p", "input.rgb_transport:=compressed", "-p", "input.depth_transport:=compressedDepth",
-        "-p", "capture.pose_source:=odom",
-    )  # fmt: skip
+        "reflest_ros.estimator",
+        "--ros-args",
+        "--params-file",
+        settings_file,
+        "-p",
+        "input.rgb_transport:=compressed",
+        "-p",
+        "input.depth_transport:=compressedDepth",
+        "-p",
+        "capture.pose_source:=odom",
+    )
     process.wait_for_line("listening to", 200.0)
     return process
 
@@ -42,8 +49,9 @@ def packed(view, form, data):
 
 
 def colour(view, suffix=".jpg"):
-    return packed(view, "rgb8; jpeg compressed bgr8",
-                  cv2.imencode(suffix, view.rgb[:, :, ::-1])[1].tobytes())  # fmt: skip
+    return packed(
+        view, "rgb8; jpeg compressed bgr8", cv2.imencode(suffix, view.rgb[:, :, ::-1])[1].tobytes()
+    )
 
 
 def depth(view):

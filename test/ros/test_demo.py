@@ -17,16 +17,24 @@ from view_input import estimate as made_estimate
 from reflest_ros.demo.comparison import compare, table
 
 TRUTH = {
-    "ward_variant": "ward-1992", "rho_d": [0.6, 0.2, 0.15], "rho_s": 0.1, "alpha": 0.12,
-    "lab": [58.0, 35.0, 30.0], "c": 0.3, "d": 0.88,
-}  # fmt: skip
+    "ward_variant": "ward-1992",
+    "rho_d": [0.6, 0.2, 0.15],
+    "rho_s": 0.1,
+    "alpha": 0.12,
+    "lab": [58.0, 35.0, 30.0],
+    "c": 0.3,
+    "d": 0.88,
+}
 
 
 def run_demo(*arguments):
     return subprocess.run(
         [sys.executable, "-m", "reflest_ros.demo", *map(str, arguments)],
-        cwd=ROOT, capture_output=True, text=True, timeout=280,
-    )  # fmt: skip
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=280,
+    )
 
 
 @pytest.fixture

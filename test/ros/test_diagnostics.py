@@ -21,10 +21,17 @@ from reflest_ros.recent_counts import RecentCounts
 def scanning(start, settings_file):
     """A node with little memory for its fine voxels, which hears of silence early."""
     node = start(
-        "reflest_ros.estimator", "--ros-args", "--params-file", settings_file,
-        "-p", "fusion.memory_budget_mb:=16.0", "-p", "fusion.voxel_size:=0.002",
-        "-p", "input.silence:=1.0",
-    )  # fmt: skip
+        "reflest_ros.estimator",
+        "--ros-args",
+        "--params-file",
+        settings_file,
+        "-p",
+        "fusion.memory_budget_mb:=16.0",
+        "-p",
+        "fusion.voxel_size:=0.002",
+        "-p",
+        "input.silence:=1.0",
+    )
     node.wait_for_line("listening to", 200.0)
     return node
 

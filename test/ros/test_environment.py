@@ -9,7 +9,7 @@ import pytest
 
 from reflest_core.environment.environment_map import EnvironmentMap
 from reflest_core.environment.picture import coverage_codes, tone_mapped
-from reflest_ros.environment import coverage_message, preview_message, radiance_message
+from reflest_ros.outputs.environment import coverage_message, preview_message, radiance_message
 
 
 @pytest.fixture

@@ -47,9 +47,13 @@ def test_a_missing_topic_is_named_in_one_warning(start, peer, settings_file, tmp
         ),
     )
     node = start(
-        "reflest_ros.estimator", "--ros-args", "--params-file", settings_file,
-        "-p", "input.silence:=0.5",
-    )  # fmt: skip
+        "reflest_ros.estimator",
+        "--ros-args",
+        "--params-file",
+        settings_file,
+        "-p",
+        "input.silence:=0.5",
+    )
     node.wait_for_line("listening to", 200.0)
     player = start("reflest_ros.bag_player", bag)
     assert player.exit_code() == 0, player.output
@@ -63,9 +67,15 @@ def test_a_missing_topic_is_named_in_one_warning(start, peer, settings_file, tmp
 
 def test_base_file_namespace_and_remapping_name_the_topics(start):
     node = start(
-        "reflest_ros.estimator", "--ros-args", "--params-file", ROOT / "config" / "estimator.yaml",
-        "-r", "rgb:=/left/image", "-r", "__ns:=/robot1",
-    )  # fmt: skip
+        "reflest_ros.estimator",
+        "--ros-args",
+        "--params-file",
+        ROOT / "config" / "estimator.yaml",
+        "-r",
+        "rgb:=/left/image",
+        "-r",
+        "__ns:=/robot1",
+    )
     line = node.wait_for_line("listening to", 200.0)
     assert "/left/image" in line
     assert f"/robot1{POSE}" in line

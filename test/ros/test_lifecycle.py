@@ -30,9 +30,15 @@ def send(peer, some):
 
 def test_every_transition(start, peer, settings_file):
     node = start(
-        "reflest_ros.estimator", "--ros-args", "--params-file", settings_file,
-        "-p", "lifecycle.autostart:=false", "-p", "estimation.weights:=/no/such/weights",
-    )  # fmt: skip
+        "reflest_ros.estimator",
+        "--ros-args",
+        "--params-file",
+        settings_file,
+        "-p",
+        "lifecycle.autostart:=false",
+        "-p",
+        "estimation.weights:=/no/such/weights",
+    )
     node.wait_for_line("waiting to be configured", 200.0)
     assert state(peer) == State.PRIMARY_STATE_UNCONFIGURED
     peer.wait_until(lambda: peer.state == "not configured", "it does not say so")

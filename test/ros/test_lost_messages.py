@@ -16,9 +16,14 @@ MOST_BURSTS = 100
 def test_images_that_are_lost_on_the_way_are_counted(start, settings_file, peer):
     """With Fast DDS' own half megabyte of shared memory, a burst of large images is too much."""
     node = start(
-        "reflest_ros.estimator", "--ros-args", "--params-file", settings_file,
-        "-p", "input.reliability:=best_effort", FASTRTPS_DEFAULT_PROFILES_FILE="",
-    )  # fmt: skip
+        "reflest_ros.estimator",
+        "--ros-args",
+        "--params-file",
+        settings_file,
+        "-p",
+        "input.reliability:=best_effort",
+        FASTRTPS_DEFAULT_PROFILES_FILE="",
+    )
     node.wait_for_line("listening to", 200.0)
     qos = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
     output = peer.offer(Image, RGB, qos)

@@ -20,11 +20,15 @@ def robots(start, settings_file, domain_id):
     """For each namespace a node that is ready, and the other side of it."""
     nodes = [
         start(
-            "reflest_ros.estimator", "--ros-args", "--params-file", settings_file,
-            "-r", f"__ns:={namespace}",
+            "reflest_ros.estimator",
+            "--ros-args",
+            "--params-file",
+            settings_file,
+            "-r",
+            f"__ns:={namespace}",
         )
         for namespace in NAMESPACES
-    ]  # fmt: skip
+    ]
     peers = [RosPeer(domain_id, namespace) for namespace in NAMESPACES]
     for node in nodes:
         node.wait_for_line("listening to", 200.0)

@@ -13,12 +13,12 @@ import pytest
 from own_process import ROOT
 
 from reflest_core.capture.refusal import RefusalCause
+from reflest_ros.inputs.qos import OUTPUT_QOS
 from reflest_ros.node_reference.descriptions import CONDITIONAL, DIAGNOSTICS, OUTPUTS
 from reflest_ros.node_reference.interface_file import read_interface
 from reflest_ros.node_reference.live_node import NodeFacts, OfferedTopic
 from reflest_ros.node_reference.page import UndescribedError, page
 from reflest_ros.parameters import all_parameters
-from reflest_ros.qos import OUTPUT_QOS
 
 FACTS = NodeFacts(
     topics=tuple(OfferedTopic(name, "a/msg/B", OUTPUT_QOS) for name in OUTPUTS),
@@ -33,9 +33,11 @@ FACTS = NodeFacts(
 def test_the_page_is_up_to_date(domain_id):
     done = subprocess.run(
         [sys.executable, "-m", "reflest_ros.node_reference"],
-        cwd=ROOT, env={**os.environ, "ROS_DOMAIN_ID": str(domain_id)},
-        capture_output=True, text=True,
-    )  # fmt: skip
+        cwd=ROOT,
+        env={**os.environ, "ROS_DOMAIN_ID": str(domain_id)},
+        capture_output=True,
+        text=True,
+    )
     assert done.returncode == 0, done.stderr
     assert (ROOT / "docs" / "node.md").read_text() == done.stdout, (
         "run python -m reflest_ros.node_reference > docs/node.md"

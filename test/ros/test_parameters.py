@@ -95,9 +95,15 @@ def test_a_bad_start_ends_with_one_sentence(start):
 
 def test_a_parameter_that_does_not_exist_is_named(start):
     process = start(
-        "reflest_ros.estimator", "--ros-args", "-p", "lifecycle.autostart:=false",
-        "-p", "fusion.voxelsize:=0.01", "-p", "qos_overrides./x.subscription.depth:=1",
-    )  # fmt: skip
+        "reflest_ros.estimator",
+        "--ros-args",
+        "-p",
+        "lifecycle.autostart:=false",
+        "-p",
+        "fusion.voxelsize:=0.01",
+        "-p",
+        "qos_overrides./x.subscription.depth:=1",
+    )
     process.wait_for_line("waiting to be configured")
     (warning,) = process.lines_with("is no parameter")
     assert "fusion.voxelsize" in warning

@@ -13,10 +13,10 @@ from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.fusion.settings import RegionSettings
 from reflest_ros.demo.pictures import preview_picture
 from reflest_ros.demo.view_scene import Viewpoint, draw_cloud, draw_markers, prepare
-from reflest_ros.markers import marker_message
-from reflest_ros.preview import preview_message
-from reflest_ros.view_settings import MarkerSettings
-from reflest_ros.voxel_cloud import POINT, point_cloud
+from reflest_ros.outputs.markers import marker_message
+from reflest_ros.outputs.preview import preview_message
+from reflest_ros.outputs.view_settings import MarkerSettings
+from reflest_ros.outputs.voxel_cloud import POINT, point_cloud
 
 AHEAD = Viewpoint(np.array([0.0, -2.0, 0.0]), np.zeros(3), 1.0)
 
@@ -55,9 +55,13 @@ def test_the_nearer_point_hides_the_farther_one():
 def test_markers_are_drawn():
     shown = keyframe()
     markers = marker_message(
-        shown, estimate(), [shown.T_world_camera], MarkerSettings(), RegionSettings(),
+        shown,
+        estimate(),
+        [shown.T_world_camera],
+        MarkerSettings(),
+        RegionSettings(),
         np.array(ReflestSettings().estimation.up),
-    )  # fmt: skip
+    )
     empty = picture()
     drawn = picture(lambda axes: draw_markers(axes, markers, AHEAD))
     assert np.any(empty != drawn)

@@ -8,7 +8,7 @@ import numpy as np
 from view_input import estimate
 
 from reflest_core.brdf.srgb import decode
-from reflest_ros.preview import EXPOSURE, LIGHT, preview_message
+from reflest_ros.outputs.preview import EXPOSURE, LIGHT, preview_message
 
 
 def pixels(message):

@@ -13,8 +13,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.experimental import EventsExecutor
 from std_msgs.msg import String
 
-from reflest_ros.message_info import with_message_info
-from reflest_ros.publication_gaps import PublicationGaps
+from reflest_ros.inputs.message_info import with_message_info
+from reflest_ros.inputs.publication_gaps import PublicationGaps
 
 
 @given(st.integers(1, 2**40), st.sets(st.integers(1, 200)))

@@ -24,10 +24,17 @@ CONSTANT_MB = 50.0
 
 def test_ten_minutes_of_a_looping_bag(start, peer, settings_file):
     node = start(
-        "reflest_ros.estimator", "--ros-args", "--params-file", settings_file,
-        "-p", f"fusion.memory_budget_mb:={BUDGET_MB}", "-p", "fusion.voxel_size:=0.005",
-        "-p", f"capture.max_wait:={MAX_WAIT}",
-    )  # fmt: skip
+        "reflest_ros.estimator",
+        "--ros-args",
+        "--params-file",
+        settings_file,
+        "-p",
+        f"fusion.memory_budget_mb:={BUDGET_MB}",
+        "-p",
+        "fusion.voxel_size:=0.005",
+        "-p",
+        f"capture.max_wait:={MAX_WAIT}",
+    )
     node.wait_for_line("listening to", 200.0)
     before = node.resident_mb
     one_pass = [

@@ -12,10 +12,17 @@ from feed import SOON, Feed
 def node(start, settings_file):
     """Voxels of 3 mm over the whole table are more than 16 MB hold."""
     process = start(
-        "reflest_ros.estimator", "--ros-args", "--params-file", settings_file,
-        "-p", "fusion.voxel_size:=0.003", "-p", "fusion.memory_budget_mb:=16.0",
-        "-p", "region.shape:=none",
-    )  # fmt: skip
+        "reflest_ros.estimator",
+        "--ros-args",
+        "--params-file",
+        settings_file,
+        "-p",
+        "fusion.voxel_size:=0.003",
+        "-p",
+        "fusion.memory_budget_mb:=16.0",
+        "-p",
+        "region.shape:=none",
+    )
     process.wait_for_line("listening to", 200.0)
     return process
 

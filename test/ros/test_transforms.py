@@ -40,13 +40,14 @@ def transform(stamp_ns, parent, child, translation=(0.0,) * 3, rotation=(0.0, 0.
     qx, qy, qz, qw = map(float, rotation)
     one = made(
         "geometry_msgs/msg/TransformStamped",
-        header=made("std_msgs/msg/Header", stamp=stamp, frame_id=parent), child_frame_id=child,
+        header=made("std_msgs/msg/Header", stamp=stamp, frame_id=parent),
+        child_frame_id=child,
         transform=made(
             "geometry_msgs/msg/Transform",
             translation=made("geometry_msgs/msg/Vector3", x=x, y=y, z=z),
             rotation=made("geometry_msgs/msg/Quaternion", x=qx, y=qy, z=qz, w=qw),
         ),
-    )  # fmt: skip
+    )
     kind = "tf2_msgs/msg/TFMessage"
     return kind, bytes(STORE.serialize_cdr(made(kind, transforms=[one]), kind))
 

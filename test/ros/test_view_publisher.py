@@ -10,8 +10,8 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from std_msgs.msg import String
 
-from reflest_ros.qos import OUTPUT_QOS
-from reflest_ros.view_publisher import ViewPublisher
+from reflest_ros.inputs.qos import OUTPUT_QOS
+from reflest_ros.outputs.view_publisher import ViewPublisher
 
 
 class Made:

@@ -16,7 +16,7 @@ from std_srvs.srv import Trigger
 from visualization_msgs.msg import Marker, MarkerArray
 
 from reflest_core.rendering.voxel_colours import view_count_colours
-from reflest_ros.core_messages import stamp_to_ns
+from reflest_ros.inputs.core_messages import stamp_to_ns
 from reflest_ros.srv import Estimate
 
 FRAMES = 24

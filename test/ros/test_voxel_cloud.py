@@ -17,8 +17,8 @@ from reflest_core.rendering.voxel_colours import (
     observed_colours,
     view_count_colours,
 )
-from reflest_ros.view_settings import VoxelSettings
-from reflest_ros.voxel_cloud import cloud_message
+from reflest_ros.outputs.view_settings import VoxelSettings
+from reflest_ros.outputs.voxel_cloud import cloud_message
 
 
 def test_points_are_the_voxels_in_the_world_frame():

@@ -10,8 +10,8 @@ from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
+from reflest_ros.services.waiting_services import WaitingServices
 from reflest_ros.spinning import Spinning
-from reflest_ros.waiting_services import WaitingServices
 
 SOON = 20.0
 
@@ -21,8 +21,9 @@ def context(domain_id):
     context = rclpy.Context()
     rclpy.init(
         args=["--ros-args", "-r", "__node:=scanner", "-r", "__ns:=/robot"],
-        context=context, domain_id=domain_id,
-    )  # fmt: skip
+        context=context,
+        domain_id=domain_id,
+    )
     yield context
     rclpy.try_shutdown(context=context)
 

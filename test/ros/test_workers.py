@@ -20,9 +20,9 @@ from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimator import NoEstimate
 from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
 from reflest_core.estimation.settings import ReflestSettings
-from reflest_ros import core_messages
-from reflest_ros.estimation_worker import EstimationWorker
-from reflest_ros.fusion_worker import FusionWorker, Keyframe
+from reflest_ros.inputs import core_messages
+from reflest_ros.workers.estimation_worker import EstimationWorker
+from reflest_ros.workers.fusion_worker import FusionWorker, Keyframe
 
 
 def crash_is_failure(error):
@@ -36,9 +36,13 @@ def fusion():
     assembler = FrameAssembler(CaptureSettings())
     keyframes = []
     worker = FusionWorker(
-        assembler, Scanner(settings), keyframes.append, crash_is_failure,
-        queue_size=8, settle_after=0.05,
-    )  # fmt: skip
+        assembler,
+        Scanner(settings),
+        keyframes.append,
+        crash_is_failure,
+        queue_size=8,
+        settle_after=0.05,
+    )
     yield worker, assembler, keyframes
     worker.stop()
 
@@ -65,10 +69,13 @@ def test_what_finds_no_room_is_dropped_counted_and_said(fusion):
 def test_a_keyframe_is_handed_on_before_anything_is_counted():
     voxels = []
     worker = FusionWorker(
-        FrameAssembler(CaptureSettings()), Scanner(ReflestSettings()),
-        lambda _: voxels.append(worker.counts.voxels), crash_is_failure,
-        queue_size=8, settle_after=0.05,
-    )  # fmt: skip
+        FrameAssembler(CaptureSettings()),
+        Scanner(ReflestSettings()),
+        lambda _: voxels.append(worker.counts.voxels),
+        crash_is_failure,
+        queue_size=8,
+        settle_after=0.05,
+    )
     offer(worker, next(views(1)))
     worker.start()
     assert worker.call(lambda: worker.counts.voxels).result(60) > 0
@@ -94,9 +101,13 @@ def test_an_image_without_partners_is_settled_when_messages_stop():
         CaptureSettings(), on_refusal=lambda refusal, is_first: refused.set()
     )
     worker = FusionWorker(
-        assembler, Scanner(ReflestSettings()), lambda _: None, crash_is_failure,
-        queue_size=8, settle_after=0.05,
-    )  # fmt: skip
+        assembler,
+        Scanner(ReflestSettings()),
+        lambda _: None,
+        crash_is_failure,
+        queue_size=8,
+        settle_after=0.05,
+    )
     first, second = views(2)
     offer(worker, first)
     worker.offer(Role.RGB, core_messages.image_message(rgb_message(second)))
@@ -110,9 +121,13 @@ def test_an_image_without_partners_is_settled_when_messages_stop():
 def test_a_job_that_waits_when_the_worker_stops_is_answered():
     settings = ReflestSettings()
     worker = FusionWorker(
-        FrameAssembler(CaptureSettings()), Scanner(settings), lambda _: None, crash_is_failure,
-        queue_size=8, settle_after=0.05,
-    )  # fmt: skip
+        FrameAssembler(CaptureSettings()),
+        Scanner(settings),
+        lambda _: None,
+        crash_is_failure,
+        queue_size=8,
+        settle_after=0.05,
+    )
     blocked, release = threading.Event(), threading.Event()
 
     def block():

@@ -62,11 +62,17 @@ def _built(folder: Path) -> Path:
         environment[variable] = os.pathsep.join([sys.prefix, os.environ.get(variable, "")])
     environment["PATH"] = os.pathsep.join([f"{sys.prefix}/bin", os.environ["PATH"]])
     for arguments in (
-        ["-S", source, "-B", build, f"-DCMAKE_INSTALL_PREFIX={prefix}",
-         f"-DPython3_EXECUTABLE={sys.executable}"],
+        [
+            "-S",
+            source,
+            "-B",
+            build,
+            f"-DCMAKE_INSTALL_PREFIX={prefix}",
+            f"-DPython3_EXECUTABLE={sys.executable}",
+        ],
         ["--build", build, "--parallel", "2"],
         ["--install", build],
-    ):  # fmt: skip
+    ):
         done = subprocess.run(
             ["cmake", *map(str, arguments)], env=environment, capture_output=True, text=True
         )

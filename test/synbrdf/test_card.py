@@ -16,10 +16,10 @@ from reflest_core.synbrdf.card.image_strip import TILE as STRIP_TILE
 from reflest_core.synbrdf.card.image_strip import image_strip
 from reflest_core.synbrdf.card.numbers import clipping, table
 from reflest_core.synbrdf.card.summary import SceneSummary
-from reflest_core.synbrdf.generation import Generation
+from reflest_core.synbrdf.generation.data_set import Generation
 from reflest_core.synbrdf.realism.settings import Realism
-from reflest_core.synbrdf.scene_file import save_shard
-from reflest_core.synbrdf.splits import Split
+from reflest_core.synbrdf.scenes.scene_file import save_shard
+from reflest_core.synbrdf.scenes.splits import Split
 from test.synbrdf.realism.sparse_scenes import ball_scene
 
 

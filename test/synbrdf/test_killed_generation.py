@@ -10,10 +10,10 @@ import pytest
 
 pytest.importorskip("mitsuba")
 
-from reflest_core.synbrdf.generate import generate
-from reflest_core.synbrdf.generation import Generation
-from reflest_core.synbrdf.process_pool import process_pool
-from reflest_core.synbrdf.scene_file import load_shard, sha256
+from reflest_core.synbrdf.generation.data_set import Generation
+from reflest_core.synbrdf.generation.generate import generate
+from reflest_core.synbrdf.generation.process_pool import process_pool
+from reflest_core.synbrdf.scenes.scene_file import load_shard, sha256
 
 SCENES = {"train": 2, "validation": 2, "unseen": 2}
 GENERATION = Generation(seed=9, scenes=SCENES, points=20, views=4, samples=4)

@@ -7,14 +7,14 @@ import pytest
 
 from reflest_core.brdf import ward
 from reflest_core.brdf.parameters import WardParameters, WardVariant
-from reflest_core.environment.equirectangular import equirectangular_directions
-from reflest_core.environment.equirectangular_lookup import radiance_from
-from reflest_core.synbrdf import metering
+from reflest_core.light.equirectangular import equirectangular_directions
+from reflest_core.light.equirectangular_lookup import radiance_from
+from reflest_core.synbrdf.scenes import metering
 from test.synbrdf.spheres import icosphere, joined
 
-mitsuba_scene = pytest.importorskip("reflest_core.synbrdf.mitsuba_scene")
-sparse_scene = pytest.importorskip("reflest_core.synbrdf.sparse_scene")
-ward_bsdf = pytest.importorskip("reflest_core.synbrdf.ward_bsdf").ward_bsdf
+mitsuba_scene = pytest.importorskip("reflest_core.synbrdf.path_tracing.mitsuba_scene")
+sparse_scene = pytest.importorskip("reflest_core.synbrdf.path_tracing.sparse_scene")
+ward_bsdf = pytest.importorskip("reflest_core.synbrdf.path_tracing.ward_bsdf").ward_bsdf
 
 RADIUS = 0.2
 
@@ -42,9 +42,13 @@ def reflected(material, normal, towards_camera, environment):
     frame = np.stack([tangent, np.cross(normal, tangent), normal])
     local_in, local_out = incident @ frame.T, frame @ towards_camera
     brdf = ward.evaluate(
-        np.array(material.rho_d), material.rho_s, material.alpha,
-        local_in, np.broadcast_to(local_out, local_in.shape), material.variant,
-    )  # fmt: skip
+        np.array(material.rho_d),
+        material.rho_s,
+        material.alpha,
+        local_in,
+        np.broadcast_to(local_out, local_in.shape),
+        material.variant,
+    )
     weight = solid_angle * np.maximum(local_in[:, 2], 0)
     return (brdf * weight[:, None] * environment.reshape(-1, 3)).sum(axis=0)
 

@@ -7,14 +7,14 @@ import pytest
 
 pytest.importorskip("mitsuba")
 
-from reflest_core.synbrdf.environments import procedural_skies
+from reflest_core.synbrdf.lights.environments import procedural_skies
+from reflest_core.synbrdf.path_tracing.sparse_scene import SparseRenderer, SparseSettings
 from reflest_core.synbrdf.realism.degrade import degrade
 from reflest_core.synbrdf.realism.settings import Effect, Realism
-from reflest_core.synbrdf.scene import draw_scene
-from reflest_core.synbrdf.scene_light import light_and_gains
-from reflest_core.synbrdf.sparse_scene import SparseRenderer, SparseSettings
-from reflest_core.synbrdf.splits import Sources, Split
-from reflest_core.training.scanned_scene import scanned
+from reflest_core.synbrdf.relit.scene_light import light_and_gains
+from reflest_core.synbrdf.scenes.scene import draw_scene
+from reflest_core.synbrdf.scenes.splits import Sources, Split
+from reflest_core.training.data.scanned_scene import scanned
 
 VIEWS = 30
 

@@ -4,9 +4,9 @@
 
 import pytest
 
-from reflest_core.synbrdf.environments import procedural_skies
-from reflest_core.synbrdf.scene import Lighting, draw_scene
-from reflest_core.synbrdf.splits import Sources, Split
+from reflest_core.synbrdf.lights.environments import procedural_skies
+from reflest_core.synbrdf.scenes.scene import Lighting, draw_scene
+from reflest_core.synbrdf.scenes.splits import Sources, Split
 
 NATURAL, DIVERSE = Lighting.NATURAL, Lighting.DIVERSE
 DRAWN = {

@@ -9,17 +9,17 @@ import pytest
 
 pytest.importorskip("mitsuba")
 
-from reflest_core.models.lightnet import VOXELS
-from reflest_core.synbrdf.generate import generate
-from reflest_core.synbrdf.generation import Generation
-from reflest_core.synbrdf.process_pool import process_pool
-from reflest_core.synbrdf.scene_file import load_scenes, save_shard, sha256
+from reflest_core.models.lightnet.network import VOXELS
+from reflest_core.synbrdf.generation.data_set import Generation
+from reflest_core.synbrdf.generation.generate import generate
+from reflest_core.synbrdf.generation.process_pool import process_pool
+from reflest_core.synbrdf.scenes.scene_file import load_scenes, save_shard, sha256
+from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.light import look_plan
 from reflest_core.training.light.look_plan import MEASURED_VIEWS, LookPlan
 from reflest_core.training.light.shaded_scene import SceneDraw, shaded, training_draw
 from reflest_core.training.light.shading_shards import make_shadings
 from reflest_core.training.light.shadings import load_shadings
-from reflest_core.training.sample import TrainingError
 
 
 @pytest.fixture(scope="module")

@@ -5,9 +5,9 @@ from collections import Counter
 import numpy as np
 import pytest
 
+from reflest_core.synbrdf.scenes.surface_points import draw_surface_points
 from reflest_core.synbrdf.shapes.mesh_file import MeshUnreadable, find_meshes, load_mesh
 from reflest_core.synbrdf.shapes.procedural import KINDS, draw_procedural, draw_rotation
-from reflest_core.synbrdf.surface_points import draw_surface_points
 from test.synbrdf.spheres import icosphere, write_obj
 
 SEEDS = range(3)

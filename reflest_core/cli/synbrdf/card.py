@@ -37,7 +37,7 @@ def add_parser(products: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write what was asked for."""
-    from reflest_core.synbrdf.whole_folder import FolderUnwritable
+    from reflest_core.synbrdf.generation.whole_folder import FolderUnwritable
 
     try:
         arguments.out.mkdir(parents=True, exist_ok=True)
@@ -68,9 +68,9 @@ def _write_figures(data: Path, out: Path) -> None:
 
 def _write_contact_sheet(arguments: argparse.Namespace) -> None:
     from reflest_core.synbrdf.card.contact_sheet import contact_sheet
-    from reflest_core.synbrdf.image_files import write_rgb
-    from reflest_core.synbrdf.scene import Lighting
-    from reflest_core.synbrdf.splits import Split
+    from reflest_core.synbrdf.path_tracing.image_files import write_rgb
+    from reflest_core.synbrdf.scenes.scene import Lighting
+    from reflest_core.synbrdf.scenes.splits import Split
 
     split = Split(arguments.contact_sheet)
     generation = generation_of(arguments)
@@ -85,10 +85,10 @@ def _write_image_strip(arguments: argparse.Namespace) -> None:
     import dataclasses
 
     from reflest_core.synbrdf.card.image_strip import image_strip
-    from reflest_core.synbrdf.image_files import write_rgb
-    from reflest_core.synbrdf.index_ranges import parse_indices
+    from reflest_core.synbrdf.generation.index_ranges import parse_indices
+    from reflest_core.synbrdf.path_tracing.image_files import write_rgb
     from reflest_core.synbrdf.realism.settings import Realism
-    from reflest_core.synbrdf.splits import Split
+    from reflest_core.synbrdf.scenes.splits import Split
 
     generation = generation_of(arguments)
     generation = dataclasses.replace(generation, realism=generation.realism or Realism())

@@ -27,7 +27,7 @@ def add_parser(products: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Generate until every shard is there."""
-    from reflest_core.synbrdf.generate import generate
+    from reflest_core.synbrdf.generation.generate import generate
 
     workers = workers_of(arguments)
     generation = generation_of(arguments, arguments.points, arguments.samples)

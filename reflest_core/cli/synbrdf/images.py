@@ -28,7 +28,7 @@ def run(arguments: argparse.Namespace) -> int:
     generation = generation_of(arguments)
     split, scenes, views = chosen(arguments, generation)
 
-    from reflest_core.synbrdf.scene_images import SceneImages
+    from reflest_core.synbrdf.path_tracing.scene_images import SceneImages
 
     images = SceneImages(generation, arguments.width, arguments.height, arguments.samples)
     for index in scenes:

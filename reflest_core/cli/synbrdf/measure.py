@@ -36,7 +36,7 @@ def _fusion(arguments: argparse.Namespace) -> None:
     from reflest_core.synbrdf.measurement.fusion_error import FusionError, measure
     from reflest_core.synbrdf.realism.depth_sensor import DepthSensor
     from reflest_core.synbrdf.realism.settings import Effect, Realism
-    from reflest_core.synbrdf.sequence_scene import SequenceRequest
+    from reflest_core.synbrdf.sequences.sequence_scene import SequenceRequest
     from reflest_core.synbrdf.shapes.procedural import KINDS
 
     exact, kinect = DepthSensor(0.0, 0.0), DepthSensor(1.0, 1.0)

@@ -25,20 +25,27 @@ def add_parser(products: Any) -> None:
     )
     parser.add_argument("--copies", type=int, default=1, help="of each scene")
     parser.add_argument(
-        "--natural", type=float, default=0.5, metavar="SHARE",
+        "--natural",
+        type=float,
+        default=0.5,
+        metavar="SHARE",
         help="of the scenes are lit by one environment as it is; the others as diverse light is",
-    )  # fmt: skip
+    )
     add_worker_options(parser, "processes")
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Relight until every shard is there."""
-    from reflest_core.synbrdf.relighting import Relighting, relight
+    from reflest_core.synbrdf.relit.relighting import Relighting, relight
 
     relighting = Relighting(
-        arguments.source, arguments.copies, arguments.environments,
-        arguments.extra_environments, tuple(arguments.without), arguments.natural,
-    )  # fmt: skip
+        arguments.source,
+        arguments.copies,
+        arguments.environments,
+        arguments.extra_environments,
+        tuple(arguments.without),
+        arguments.natural,
+    )
     relight(arguments.out, relighting, workers_of(arguments))
     return 0

@@ -23,8 +23,8 @@ def add_parser(products: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Render one sensor."""
-    from reflest_core.synbrdf.image_files import write_exr
-    from reflest_core.synbrdf.xml_render import SceneUnreadable, render_xml
+    from reflest_core.synbrdf.path_tracing.image_files import write_exr
+    from reflest_core.synbrdf.path_tracing.xml_render import SceneUnreadable, render_xml
 
     if arguments.out.suffix.lower() != ".exr":
         raise SceneUnreadable(f"--out {arguments.out} must end in .exr")

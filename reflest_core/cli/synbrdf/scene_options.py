@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from reflest_core.cli.synbrdf.set_options import add_set_options
 
 if TYPE_CHECKING:
-    from reflest_core.synbrdf.generation import Generation
-    from reflest_core.synbrdf.splits import Split
+    from reflest_core.synbrdf.generation.data_set import Generation
+    from reflest_core.synbrdf.scenes.splits import Split
 
 
 def add_scene_options(parser: argparse.ArgumentParser, frames: str) -> None:
@@ -21,9 +21,11 @@ def add_scene_options(parser: argparse.ArgumentParser, frames: str) -> None:
         "--scenes", default="0", metavar="RANGE", help="such as 3 or 0:10,25 (default: %(default)s)"
     )
     parser.add_argument(
-        "--frames", default=frames, metavar="RANGE",
+        "--frames",
+        default=frames,
+        metavar="RANGE",
         help="views, such as 0:100:10 (default: %(default)s)",
-    )  # fmt: skip
+    )
     parser.add_argument("--width", type=int, default=640, help="pixels")
     parser.add_argument("--height", type=int, default=480, help="pixels")
     parser.add_argument("--samples", type=int, default=64, help="paths of a pixel")
@@ -34,8 +36,8 @@ def chosen(
     arguments: argparse.Namespace, generation: Generation
 ) -> tuple[Split, list[int], list[int]]:
     """Split, scenes and views that the options name; refuses what the set does not have."""
-    from reflest_core.synbrdf.index_ranges import IndexRangeError, parse_indices
-    from reflest_core.synbrdf.splits import Split
+    from reflest_core.synbrdf.generation.index_ranges import IndexRangeError, parse_indices
+    from reflest_core.synbrdf.scenes.splits import Split
 
     for name in ("width", "height"):
         if not 16 <= getattr(arguments, name) <= 4096:

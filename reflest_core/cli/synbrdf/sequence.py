@@ -26,9 +26,12 @@ def add_parser(products: Any) -> None:
     parser.add_argument("--samples", type=int, default=64, help="paths of a pixel")
     parser.add_argument("--rate", type=float, default=10.0, help="frames a second")
     parser.add_argument(
-        "--material", type=float, nargs=5, metavar=("R", "G", "B", "RHO_S", "ALPHA"),
+        "--material",
+        type=float,
+        nargs=5,
+        metavar=("R", "G", "B", "RHO_S", "ALPHA"),
         help="Ward parameters, rho_d in linear sRGB; default: drawn",
-    )  # fmt: skip
+    )
     parser.add_argument("--shape", metavar="KIND", help="kind of procedural shape; default: drawn")
     parser.add_argument(
         "--environments", type=Path, help=".hdr, .exr or .npz files; default: procedural skies"
@@ -40,7 +43,7 @@ def add_parser(products: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Render the bag."""
-    from reflest_core.synbrdf.sequence_scene import SequenceRequest
+    from reflest_core.synbrdf.sequences.sequence_scene import SequenceRequest
 
     options = {
         key: value
@@ -59,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.realism is not None:
         command += ["--realism", *arguments.realism]
 
-    from reflest_core.synbrdf.sequence import write_sequence
+    from reflest_core.synbrdf.sequences.sequence import write_sequence
 
     write_sequence(arguments.out, request, shlex.join(command))
     return 0

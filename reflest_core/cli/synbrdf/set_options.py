@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from reflest_core.synbrdf.generation import Generation
+    from reflest_core.synbrdf.generation.data_set import Generation
     from reflest_core.synbrdf.realism.settings import Realism
 
 
@@ -37,19 +37,23 @@ def add_set_options(parser: argparse.ArgumentParser) -> None:
         "--without", nargs="*", default=[], metavar="NAME", help="environments to leave out"
     )
     parser.add_argument(
-        "--metering", choices=("frame", "object"), default="frame",
+        "--metering",
+        choices=("frame", "object"),
+        default="frame",
         help="what the camera exposes for; frame lets objects in dark rooms clip",
-    )  # fmt: skip
+    )
     add_realism_option(parser)
 
 
 def add_realism_option(parser: argparse.ArgumentParser) -> None:
     """Add ``--realism``."""
     parser.add_argument(
-        "--realism", nargs="*", metavar="EFFECT",
+        "--realism",
+        nargs="*",
+        metavar="EFFECT",
         help="faults of real captures: exposure, white-balance, sensor, jpeg, depth, pose, "
         "normals; all of them if none is named",
-    )  # fmt: skip
+    )
 
 
 def realism_of(arguments: argparse.Namespace) -> Realism | None:
@@ -65,9 +69,9 @@ def generation_of(
     arguments: argparse.Namespace, points: int = 400, samples: int = 64
 ) -> Generation:
     """The data set that the options name."""
-    from reflest_core.synbrdf.generation import Generation
-    from reflest_core.synbrdf.metering import Metering
-    from reflest_core.synbrdf.scene import Lighting
+    from reflest_core.synbrdf.generation.data_set import Generation
+    from reflest_core.synbrdf.scenes.metering import Metering
+    from reflest_core.synbrdf.scenes.scene import Lighting
 
     return Generation(
         arguments.seed,

@@ -20,9 +20,9 @@ def add_worker_options(parser: argparse.ArgumentParser, jobs: str) -> None:
 
 def workers_of(arguments: argparse.Namespace) -> AbstractContextManager[Executor]:
     """Not yet begun. Raises ``GenerationRefused`` for fewer than one process."""
-    from reflest_core.synbrdf.dask_cluster import dask_cluster
-    from reflest_core.synbrdf.generation import GenerationRefused
-    from reflest_core.synbrdf.process_pool import process_pool
+    from reflest_core.synbrdf.generation.dask_cluster import dask_cluster
+    from reflest_core.synbrdf.generation.data_set import GenerationRefused
+    from reflest_core.synbrdf.generation.process_pool import process_pool
 
     if arguments.scheduler is not None:
         return dask_cluster(arguments.scheduler)

@@ -27,8 +27,8 @@ def run(arguments: argparse.Namespace) -> int:
     generation = generation_of(arguments)
     split, scenes, views = chosen(arguments, generation)
 
-    from reflest_core.synbrdf.depth_camera import depth_camera
-    from reflest_core.synbrdf.mitsuba_xml import write_scene
+    from reflest_core.synbrdf.path_tracing.mitsuba_xml import write_scene
+    from reflest_core.synbrdf.sequences.depth_camera import depth_camera
 
     camera = depth_camera(arguments.width, arguments.height)
     for index in scenes:

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from reflest_core.evaluation.markdown import table
 from reflest_core.evaluation.sections.cells import Lines, Record
+from reflest_core.evaluation.sections.markdown import table
 from reflest_core.models.normalisation import WARD_NAMES
 
 
@@ -51,12 +51,18 @@ def realism_training(record: Record) -> Lines:
         "last training; what it started from had more.",
         "",
         *table(
-            ["network", "minibatches with faults", "clean", "trained with faults", "all faults",
-             "trained with faults"],
+            [
+                "network",
+                "minibatches with faults",
+                "clean",
+                "trained with faults",
+                "all faults",
+                "trained with faults",
+            ],
             body,
         ),
         "",
-    ]  # fmt: skip
+    ]
 
 
 def ablation(record: Record) -> Lines:

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from reflest_core.evaluation.markdown import table
 from reflest_core.evaluation.sections.cells import Lines, Record, interval
+from reflest_core.evaluation.sections.markdown import table
 
 
 def latency(record: Record) -> Lines:
@@ -13,11 +13,15 @@ def latency(record: Record) -> Lines:
     header = ["model", "bytes", "paper", "median ms", "p95 ms", "paper"]
     body = [
         [
-            row["model"], row["bytes"], row["paper_bytes"], f"{row['median_ms']:.1f}",
-            f"{row['p95_ms']:.1f}", None if row["paper_ms"] is None else f"{row['paper_ms']:.0f}",
+            row["model"],
+            row["bytes"],
+            row["paper_bytes"],
+            f"{row['median_ms']:.1f}",
+            f"{row['p95_ms']:.1f}",
+            None if row["paper_ms"] is None else f"{row['paper_ms']:.0f}",
         ]
         for row in record["rows"]
-    ]  # fmt: skip
+    ]
     return [
         "## Size and latency",
         "",
@@ -34,12 +38,15 @@ def eight_bit(record: Record) -> Lines:
     header = ["variant", "float32", "8-bit", "difference", "float32 bytes", "8-bit bytes"]
     body = [
         [
-            row["title"], f"{row['float32']:.4f}", f"{row['eight_bit']:.4f}",
-            f"{row['eight_bit'] - row['float32']:+.4f}", row["float32_bytes"],
+            row["title"],
+            f"{row['float32']:.4f}",
+            f"{row['eight_bit']:.4f}",
+            f"{row['eight_bit'] - row['float32']:+.4f}",
+            row["float32_bytes"],
             row["eight_bit_bytes"],
         ]
         for row in record["rows"]
-    ]  # fmt: skip
+    ]
     return [
         "## What 8-bit weights cost",
         "",
@@ -68,11 +75,14 @@ def time_accuracy(record: Record) -> Lines:
     """Error by voxels and time."""
     body = [
         [
-            point["voxels"], point["rmse"], interval(point["over_scenes"]),
-            f"{point['median_ms']:.1f}", f"{point['p95_ms']:.1f}",
+            point["voxels"],
+            point["rmse"],
+            interval(point["over_scenes"]),
+            f"{point['median_ms']:.1f}",
+            f"{point['p95_ms']:.1f}",
         ]
         for point in record["points"]
-    ]  # fmt: skip
+    ]
     return [
         "## Accuracy against time",
         "",

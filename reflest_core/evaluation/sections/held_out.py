@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from reflest_core.evaluation.markdown import table
 from reflest_core.evaluation.sections.cells import Lines, Record, percent
+from reflest_core.evaluation.sections.markdown import table
 from reflest_core.models.normalisation import WARD_NAMES
 
 
@@ -24,12 +24,27 @@ def held_out_lights(record: Record) -> Lines:
         "each training are calibrated on the others.",
         "",
         *table(
-            ["views", "looks", "RMSE", "95 %, environments", "mean of five",
-             "95 %, environments", "scene mean", *WARD_NAMES],
             [
-                [int(count), of["looks"], of["rmse"], _range(of["over_environments"]),
-                 of["mean_of_parameters"], _range(of["mean_over_environments"]),
-                 of["scene_mean"], *of["per_parameter"]]
+                "views",
+                "looks",
+                "RMSE",
+                "95 %, environments",
+                "mean of five",
+                "95 %, environments",
+                "scene mean",
+                *WARD_NAMES,
+            ],
+            [
+                [
+                    int(count),
+                    of["looks"],
+                    of["rmse"],
+                    _range(of["over_environments"]),
+                    of["mean_of_parameters"],
+                    _range(of["mean_over_environments"]),
+                    of["scene_mean"],
+                    *of["per_parameter"],
+                ]
                 for count, of in views.items()
             ],
         ),
@@ -52,7 +67,7 @@ def held_out_lights(record: Record) -> Lines:
         + ", ".join(f"{light} {error:.2f}" for light, error in most["by_light"].items())
         + ".",
         "",
-    ]  # fmt: skip
+    ]
 
 
 def _range(interval: Record) -> str:

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from reflest_core.evaluation.markdown import table
 from reflest_core.evaluation.sections.cells import Lines, Record, interval, percent
+from reflest_core.evaluation.sections.markdown import table
 from reflest_core.models.normalisation import WARD_NAMES
 
 
@@ -47,10 +47,15 @@ def perception(record: Record) -> Lines:
         cells += [row["flip"], f"{row['psnr']:.1f}", row["ssim"]]
         body.append([*cells, *(by_light[light] for light in lights), row["paper_rank"]])
     agreement = record["rank_correlation"]
-    remark = [] if agreement is None else [
-        "Spearman's correlation of the paper's variants' order with that of its users: "
-        f"{agreement:.2f}.", "",
-    ]  # fmt: skip
+    remark = (
+        []
+        if agreement is None
+        else [
+            "Spearman's correlation of the paper's variants' order with that of its users: "
+            f"{agreement:.2f}.",
+            "",
+        ]
+    )
     return [
         "## How they look",
         "",

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from statistics import fmean
 
-from reflest_core.evaluation.markdown import table
 from reflest_core.evaluation.paper_figures import MATERIALS
 from reflest_core.evaluation.sections.cells import Lines, Record, interval, percent, spread
+from reflest_core.evaluation.sections.markdown import table
 from reflest_core.models.normalisation import LABCD_NAMES, WARD_NAMES
 
 

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from reflest_core.evaluation.markdown import table
 from reflest_core.evaluation.sections.cells import Lines, Record, percent
+from reflest_core.evaluation.sections.markdown import table
 from reflest_core.models.normalisation import WARD_NAMES
 
 

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from reflest_core.evaluation.markdown import table
 from reflest_core.evaluation.sections.cells import Lines, Record, interval
+from reflest_core.evaluation.sections.markdown import table
 
 
 def views(record: Record) -> Lines:
@@ -39,18 +39,38 @@ def look_around(record: Record) -> Lines:
         scan, looked, known, rooms = (row[key] for key in ("scan", "with", "panorama", "rooms"))
         body.append(
             [
-                row["split"], row["views"], row["pattern"], scan["scenes"], f"{scan['seen']:.0%}",
-                scan["ward"]["overall"], f"{looked['seen']:.0%}", looked["ward"]["overall"],
-                interval(looked["over_environments"]), f"{row['recognised']:.1%}",
-                rooms["ward"]["overall"], interval(rooms["over_environments"]),
-                known["ward"]["overall"], interval(known["over_environments"]),
+                row["split"],
+                row["views"],
+                row["pattern"],
+                scan["scenes"],
+                f"{scan['seen']:.0%}",
+                scan["ward"]["overall"],
+                f"{looked['seen']:.0%}",
+                looked["ward"]["overall"],
+                interval(looked["over_environments"]),
+                f"{row['recognised']:.1%}",
+                rooms["ward"]["overall"],
+                interval(rooms["over_environments"]),
+                known["ward"]["overall"],
+                interval(known["over_environments"]),
             ]
-        )  # fmt: skip
+        )
     header = [
-        "split", "views", "their pattern", "scenes", "light seen", "RMSE", "light seen, look",
-        "RMSE, look", "95 %, environments", "told", "RMSE, rooms", "95 %, environments",
-        "RMSE, panorama", "95 %, environments",
-    ]  # fmt: skip
+        "split",
+        "views",
+        "their pattern",
+        "scenes",
+        "light seen",
+        "RMSE",
+        "light seen, look",
+        "RMSE, look",
+        "95 %, environments",
+        "told",
+        "RMSE, rooms",
+        "95 %, environments",
+        "RMSE, panorama",
+        "95 %, environments",
+    ]
     return [
         "## What a look around the room buys",
         "",
@@ -71,11 +91,15 @@ def look_around(record: Record) -> Lines:
 def _few(few: Record) -> Lines:
     body = [
         [
-            split, of["scenes"], of["ward"]["overall"], interval(of["over_scenes"]),
-            interval(of["over_environments"]), of["ward"]["scene_mean"],
+            split,
+            of["scenes"],
+            of["ward"]["overall"],
+            interval(of["over_scenes"]),
+            interval(of["over_environments"]),
+            of["ward"]["scene_mean"],
         ]
         for split, of in few["accuracy"].items()
-    ]  # fmt: skip
+    ]
     header = ["split", "scenes", "RMSE", "95 %, scenes", "95 %, environments", "scene mean"]
     return [
         f"lightnet at {few['views']} views of every scene:",

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from reflest_core.synbrdf.exposure import expose
-from reflest_core.synbrdf.generation import Generation
-from reflest_core.synbrdf.scene_images import SceneImages
-from reflest_core.synbrdf.splits import Split
+from reflest_core.synbrdf.generation.data_set import Generation
+from reflest_core.synbrdf.path_tracing.scene_images import SceneImages
+from reflest_core.synbrdf.scenes.exposure import expose
+from reflest_core.synbrdf.scenes.splits import Split
 
 TILE = (120, 90)
 """Pixels, width and height."""

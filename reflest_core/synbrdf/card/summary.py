@@ -11,7 +11,7 @@ import numpy as np
 
 from reflest_core.brdf.gloss import to_labcd
 from reflest_core.brdf.lab import luminance
-from reflest_core.synbrdf.scene_file import SceneFileError, SynbrdfScene, load_scenes
+from reflest_core.synbrdf.scenes.scene_file import SceneFileError, SynbrdfScene, load_scenes
 
 FULL_SCALE = 255
 

@@ -12,11 +12,11 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.synbrdf.exposure import expose
-from reflest_core.synbrdf.generation import Generation
+from reflest_core.synbrdf.generation.data_set import Generation
+from reflest_core.synbrdf.path_tracing.scene_images import SceneImages
 from reflest_core.synbrdf.realism.jpeg import compressed
-from reflest_core.synbrdf.scene_images import SceneImages
-from reflest_core.synbrdf.splits import Split
+from reflest_core.synbrdf.scenes.exposure import expose
+from reflest_core.synbrdf.scenes.splits import Split
 
 TO_YCC = np.array([[0.299, 0.587, 0.114], [-0.168736, -0.331264, 0.5], [0.5, -0.418688, -0.081312]])
 """JFIF's luma and chroma of RGB."""

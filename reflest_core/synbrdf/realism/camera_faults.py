@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.camera import CameraIntrinsics
-from reflest_core.synbrdf.exposure import expose
 from reflest_core.synbrdf.realism.colour_drift import draw_view_gains
 from reflest_core.synbrdf.realism.depth_sensor import DepthSensor
 from reflest_core.synbrdf.realism.jpeg import compressed, draw_quality
 from reflest_core.synbrdf.realism.pose_jitter import jittered
 from reflest_core.synbrdf.realism.sensor_noise import SensorNoise
 from reflest_core.synbrdf.realism.settings import Effect, Realism
+from reflest_core.synbrdf.scenes.exposure import expose
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.synbrdf.realism.settings import Effect, Realism
-from reflest_core.synbrdf.views import smooth_noise
+from reflest_core.synbrdf.scenes.views import smooth_noise
 
 WANDER_RMS = 0.49
 """Of :func:`smooth_noise`."""

@@ -9,15 +9,15 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.synbrdf.exposure import expose
+from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.synbrdf.realism.camera_faults import CameraFaults, draw_camera_faults
 from reflest_core.synbrdf.realism.depth_holes import hole_probability
 from reflest_core.synbrdf.realism.fused_surface import fused
 from reflest_core.synbrdf.realism.jpeg import compression_error
 from reflest_core.synbrdf.realism.settings import LOSSLESS, Effect, Realism, streams
 from reflest_core.synbrdf.realism.view_images import meter, with_gains
-from reflest_core.synbrdf.scene_file import SynbrdfScene
+from reflest_core.synbrdf.scenes.exposure import expose
+from reflest_core.synbrdf.scenes.scene_file import SynbrdfScene
 
 COLOUR_EFFECTS = (Effect.EXPOSURE, Effect.WHITE_BALANCE, Effect.SENSOR, Effect.JPEG)
 

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from reflest_core.synbrdf.realism.colour_drift import WANDER_RMS
 from reflest_core.synbrdf.realism.settings import Realism
-from reflest_core.synbrdf.views import smooth_noise
+from reflest_core.synbrdf.scenes.views import smooth_noise
 
 FRAME_SHARE = 0.5
 """Of the error's stddev that is new in every frame; the rest wanders slowly."""

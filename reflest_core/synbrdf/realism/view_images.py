@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from reflest_core.brdf import srgb
 from reflest_core.jit import compiled, kernel_array
-from reflest_core.synbrdf.thumbnails import Thumbnails
+from reflest_core.synbrdf.scenes.thumbnails import Thumbnails
 
 ENTRIES = 4096
 """Of the sRGB table, even in the square root of linear light."""

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.synbrdf.mitsuba_scene import OBJECT, first_hits, first_shapes
+from reflest_core.synbrdf.path_tracing.mitsuba_scene import OBJECT, first_hits, first_shapes
 from reflest_core.synbrdf.room.geometry import Room
 from reflest_core.synbrdf.room.light_shapes import WINDOW
 

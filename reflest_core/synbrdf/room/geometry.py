@@ -119,10 +119,13 @@ class Box:
         x, y, z = np.diag(self.high - self.low)
         low, high = self.low, self.high
         return [
-            Panel(low + y, -y, z), Panel(low + x, y, z),
-            Panel(low, x, z), Panel(low + x + y, -x, z),
-            Panel(low + y, x, -y), Panel(high - x - y, x, y),
-        ]  # fmt: skip
+            Panel(low + y, -y, z),
+            Panel(low + x, y, z),
+            Panel(low, x, z),
+            Panel(low + x + y, -x, z),
+            Panel(low + y, x, -y),
+            Panel(high - x - y, x, y),
+        ]
 
     @property
     def inside(self) -> list[Panel]:

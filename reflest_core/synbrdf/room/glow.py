@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.synbrdf.mitsuba_runtime import load_mitsuba
+from reflest_core.synbrdf.path_tracing.mitsuba_runtime import load_mitsuba
 
 mi: Any = load_mitsuba()
 import drjit as dr  # noqa: E402  (Mitsuba's loader must choose the LLVM first)

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.environment.equirectangular_lookup import radiance_from
+from reflest_core.light.equirectangular_lookup import radiance_from
 from reflest_core.synbrdf.room.furnishing import Stage
 from reflest_core.synbrdf.room.geometry import (
     LIGHT_TEXELS,
@@ -57,9 +57,12 @@ def draw_softbox(rng: np.random.Generator, room: Box, stage: Stage) -> list[Pane
     """A photographer's large lamp that faces the object; none where it finds no place."""
     azimuth, elevation = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(0.0, 1.1)
     towards = np.array(
-        [np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation),
-         np.sin(elevation)]
-    )  # fmt: skip
+        [
+            np.cos(azimuth) * np.cos(elevation),
+            np.sin(azimuth) * np.cos(elevation),
+            np.sin(elevation),
+        ]
+    )
     across = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0]) * rng.uniform(0.3, 1.0)
     up = -np.cross(towards, across / np.linalg.norm(across)) * rng.uniform(0.3, 1.0)
     if np.cross(across, up) @ towards > 0.0:

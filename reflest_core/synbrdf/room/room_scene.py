@@ -16,14 +16,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.synbrdf.mitsuba_scene import OBJECT, RadianceTracer, mi, mitsuba_mesh
+from reflest_core.synbrdf.path_tracing.mitsuba_scene import OBJECT, RadianceTracer, mi, mitsuba_mesh
+from reflest_core.synbrdf.path_tracing.ward_bsdf import WardBSDF
 from reflest_core.synbrdf.room.atlas import atlas, panel_mesh, spread
 from reflest_core.synbrdf.room.geometry import Room, Surface
 from reflest_core.synbrdf.room.glow import glow, texture
 from reflest_core.synbrdf.room.light_shapes import light_shapes
 from reflest_core.synbrdf.room.textured_mesh import textured_mesh
 from reflest_core.synbrdf.shapes.mesh import TriangleMesh
-from reflest_core.synbrdf.ward_bsdf import WardBSDF
 
 BAKE_DEPTH = 8
 """Mitsuba's ``max_depth`` of the light on the walls."""

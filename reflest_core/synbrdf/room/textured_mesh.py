@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.synbrdf.mitsuba_scene import mi
+from reflest_core.synbrdf.path_tracing.mitsuba_scene import mi
 
 
 def textured_mesh(

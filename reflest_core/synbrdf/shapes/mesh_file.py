@@ -101,7 +101,7 @@ def _read_obj(path: Path) -> tuple[FloatArray, IntArray]:
 
 def _read_ply(path: Path) -> tuple[FloatArray, IntArray]:
     """Any .ply that Mitsuba reads."""
-    from reflest_core.synbrdf.mitsuba_runtime import load_mitsuba
+    from reflest_core.synbrdf.path_tracing.mitsuba_runtime import load_mitsuba
 
     mi = load_mitsuba()
     parameters = mi.traverse(mi.load_dict({"type": "ply", "filename": str(path)}))

@@ -8,10 +8,10 @@ import math
 
 import torch
 
-from reflest_core.features.light.scene_statistics import CHANNEL_STATISTICS
-from reflest_core.features.light.ward_lobe import ROUGHNESSES
+from reflest_core.inference.transport.ward_lobe import ROUGHNESSES
+from reflest_core.models.lightnet.scene_statistics import CHANNEL_STATISTICS
+from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.light.shading_axes import AXES
-from reflest_core.training.sample import TrainingError
 
 Look = dict[str, torch.Tensor]
 """The arguments of ``LightNet.forward``, batched."""

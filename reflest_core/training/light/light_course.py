@@ -13,7 +13,7 @@ import torch
 from reflest_core.brdf.gloss import ward_to_labcd
 from reflest_core.brdf.parameters import WardVariant
 from reflest_core.models.calibration import Calibration
-from reflest_core.models.lightnet import LightNet
+from reflest_core.models.lightnet.network import LightNet
 from reflest_core.models.normalisation import WARD_NAMES, ParameterStatistics
 from reflest_core.models.weights import WeightsCard, save_weights
 from reflest_core.training.light.ablation import check_parts
@@ -52,8 +52,9 @@ class LightCourse:
         ward = data.training.ward.astype(np.float64)
         labcd = np.stack([ward_to_labcd(one) for one in ward])
         self.both_statistics = {
-            "ward": ParameterStatistics.of(ward), "labcd": ParameterStatistics.of(labcd)
-        }  # fmt: skip
+            "ward": ParameterStatistics.of(ward),
+            "labcd": ParameterStatistics.of(labcd),
+        }
         self.statistics = self.both_statistics["ward"]
         self._mean, self._stddev = (
             torch.from_numpy(values).float().to(device)
@@ -104,9 +105,13 @@ class LightCourse:
             "calibrated_under": [] if held_out is None else held_out.lights,
         }
         card = WeightsCard(
-            "lightnet", "ward", WardVariant.WARD_1992, self.both_statistics, described,
+            "lightnet",
+            "ward",
+            WardVariant.WARD_1992,
+            self.both_statistics,
+            described,
             calibration,
-        )  # fmt: skip
+        )
         save_weights(folder.weights, best, card, eight_bit=False)
         figures = {
             "parameters": WARD_NAMES,

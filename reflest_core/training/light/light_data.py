@@ -8,14 +8,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from reflest_core.synbrdf.data_folder import read_manifest
-from reflest_core.synbrdf.source_fingerprint import source_fingerprint
+from reflest_core.synbrdf.generation.data_folder import read_manifest
+from reflest_core.synbrdf.generation.source_fingerprint import source_fingerprint
+from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.light.look_plan import SHADED_PARTS, SOURCES, LookPlan
 from reflest_core.training.light.shading_file import LookCard
 from reflest_core.training.light.shading_shards import make_shadings
 from reflest_core.training.light.shadings import Shadings, load_shadings
 from reflest_core.training.recipe import Recipe
-from reflest_core.training.sample import TrainingError
 
 
 @dataclass(frozen=True)

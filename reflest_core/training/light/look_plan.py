@@ -11,21 +11,37 @@ from dataclasses import dataclass
 import numpy as np
 
 from reflest_core.models.model_choice import MODELS
-from reflest_core.synbrdf.source_fingerprint import source_fingerprint
+from reflest_core.synbrdf.generation.source_fingerprint import source_fingerprint
 from reflest_core.training.light.shaded_scene import SceneDraw, training_draw
 from reflest_core.training.light.shading_axes import AXES
 
 MEASURED_VIEWS = (100, 30, 10)
 """A scene that is measured is looked at with so many of its views, as they are."""
 SOURCES = (
-    "brdf", "environment/known_light.py",
-    "features/light", "features/voxel_choice.py", "features/tangent_frame.py",
-    "fusion/exposure_correction.py", "fusion/exposure_gain.py", "fusion/light_map.py",
-    "fusion/observed_surface.py", "fusion/octahedral.py",
-    "fusion/thinning.py", "synbrdf/realism", "synbrdf/exposure.py", "synbrdf/scene_light.py",
-    "synbrdf/thumbnails.py", "training/augmentation.py", "training/light/look_plan.py",
-    "training/light/shaded_scene.py", "training/light/shading_file.py", "training/scanned_scene.py",
-)  # fmt: skip
+    "brdf",
+    "light/known_light.py",
+    "inference",
+    "models/lightnet",
+    "light",
+    "surface",
+    "surface/voxel_choice.py",
+    "surface/tangent_frame.py",
+    "light/exposure_correction.py",
+    "light/exposure_gain.py",
+    "light/light_map.py",
+    "surface/observed_surface.py",
+    "light/octahedral.py",
+    "surface/thinning.py",
+    "synbrdf/realism",
+    "synbrdf/scenes/exposure.py",
+    "synbrdf/relit/scene_light.py",
+    "synbrdf/scenes/thumbnails.py",
+    "training/data/augmentation.py",
+    "training/light/look_plan.py",
+    "training/light/shaded_scene.py",
+    "training/light/shading_file.py",
+    "training/data/scanned_scene.py",
+)
 """The code that decides what a look shows, files and folders of ``reflest_core``."""
 
 

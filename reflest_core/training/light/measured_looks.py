@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.models.calibration import Calibration
+from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.metrics import NormalisedRmse
-from reflest_core.training.sample import TrainingError
 
 HELD_SHARE = 0.9
 HALF_WIDTH = NormalDist().inv_cdf(0.5 + HELD_SHARE / 2)

@@ -10,16 +10,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.features.light.shading import Shading
-from reflest_core.features.light.surface_shading import surface_shading
-from reflest_core.features.voxel_choice import choose_voxels
+from reflest_core.models.lightnet.shading import Shading
+from reflest_core.models.lightnet.surface_shading import surface_shading
 from reflest_core.models.model_choice import MODELS
-from reflest_core.synbrdf.exposure import expose
+from reflest_core.surface.voxel_choice import choose_voxels
 from reflest_core.synbrdf.realism.degrade import degrade
 from reflest_core.synbrdf.realism.settings import Realism
-from reflest_core.synbrdf.scene_file import SynbrdfScene
-from reflest_core.synbrdf.scene_light import backgrounds, room_light
-from reflest_core.training.scanned_scene import scanned
+from reflest_core.synbrdf.relit.scene_light import backgrounds, room_light
+from reflest_core.synbrdf.scenes.exposure import expose
+from reflest_core.synbrdf.scenes.scene_file import SynbrdfScene
+from reflest_core.training.data.scanned_scene import scanned
 
 FEWEST_VOXELS, FEWEST_VIEWS = 3, 5
 WITHOUT_BACKGROUND = 0.04
@@ -71,7 +71,7 @@ def shaded(
 ) -> Shading | None:
     """The shading of a look at the scene; None where it shows too little of the surface.
 
-    ``without``: see :func:`~reflest_core.features.light.shading.shading`.
+    ``without``: see :func:`~reflest_core.models.lightnet.shading.shading`.
     """
     scene = _exposed(scene, draw.exposure)
     room = room_light(scene) if draw.knows_room else None

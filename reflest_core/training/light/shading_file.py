@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save_file
 
-from reflest_core.features.light.shading import Shading
+from reflest_core.models.lightnet.shading import Shading
 from reflest_core.models.model_choice import MODELS
+from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.light.shading_axes import AXES
-from reflest_core.training.sample import TrainingError
 
 FORMAT = "reflest-shadings-1"
 LARGEST = 6e4

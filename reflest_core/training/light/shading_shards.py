@@ -12,12 +12,12 @@ from safetensors import safe_open
 from tqdm import tqdm
 
 from reflest_core.models.threads import one_blas_thread
-from reflest_core.synbrdf.process_pool import process_pool
-from reflest_core.synbrdf.scene_file import load_shard
+from reflest_core.synbrdf.generation.process_pool import process_pool
+from reflest_core.synbrdf.scenes.scene_file import load_shard
+from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.light.look_plan import LookPlan
 from reflest_core.training.light.shaded_scene import shaded
 from reflest_core.training.light.shading_file import LookCard, as_row, read_cards, save_looks
-from reflest_core.training.sample import TrainingError
 
 
 def make_shadings(data: Path, plan: LookPlan, out: Path, jobs: int) -> list[Path]:

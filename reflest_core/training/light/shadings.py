@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.light.shading_file import LookCard, read_arrays, read_cards
-from reflest_core.training.sample import TrainingError
 
 
 @dataclass(frozen=True)

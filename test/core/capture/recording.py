@@ -67,9 +67,11 @@ def depth_of(index, radius=0.15):
     discriminant = along**2 - squared * (centre @ centre - radius**2)
     sphere = (-along - np.sqrt(np.maximum(discriminant, 0.0))) / squared
     plane = np.divide(
-        -0.1 - centre[2], directions[..., 2], where=directions[..., 2] < -1e-6,
+        -0.1 - centre[2],
+        directions[..., 2],
+        where=directions[..., 2] < -1e-6,
         out=np.zeros_like(along),
-    )  # fmt: skip
+    )
     return np.where(discriminant > 0, sphere, plane)
 
 
@@ -84,9 +86,15 @@ def image(pixels, encoding, stamp_ns, frame_id="camera_color_optical_frame"):
     pixels = np.ascontiguousarray(pixels)
     height, width = pixels.shape[:2]
     return ImageMessage(
-        stamp_ns, frame_id, height, width, encoding, False, pixels.nbytes // height,
+        stamp_ns,
+        frame_id,
+        height,
+        width,
+        encoding,
+        False,
+        pixels.nbytes // height,
         pixels.tobytes(),
-    )  # fmt: skip
+    )
 
 
 def rgb_message(index):
@@ -169,10 +177,15 @@ def _as_ros(message):
     if isinstance(message, ImageMessage):
         kind = "sensor_msgs/msg/Image"
         return kind, _ros(
-            kind, header=_header(message), height=message.height, width=message.width,
-            encoding=message.encoding, is_bigendian=int(message.is_bigendian), step=message.step,
+            kind,
+            header=_header(message),
+            height=message.height,
+            width=message.width,
+            encoding=message.encoding,
+            is_bigendian=int(message.is_bigendian),
+            step=message.step,
             data=np.frombuffer(message.data, np.uint8),
-        )  # fmt: skip
+        )
     if isinstance(message, CompressedImageMessage):
         kind = "sensor_msgs/msg/CompressedImage"
         data = np.frombuffer(message.data, np.uint8)
@@ -185,9 +198,10 @@ def _as_ros(message):
     x, y, z = message.position
     qx, qy, qz, qw = message.orientation
     pose = _ros(
-        "geometry_msgs/msg/Pose", position=_ros("geometry_msgs/msg/Point", x=x, y=y, z=z),
+        "geometry_msgs/msg/Pose",
+        position=_ros("geometry_msgs/msg/Point", x=x, y=y, z=z),
         orientation=_ros("geometry_msgs/msg/Quaternion", x=qx, y=qy, z=qz, w=qw),
-    )  # fmt: skip
+    )
     if not message.child_frame_id:
         kind = "geometry_msgs/msg/PoseStamped"
         return kind, _ros(kind, header=_header(message), pose=pose)
@@ -198,29 +212,42 @@ def _ros_camera_info(message):
     kind = "sensor_msgs/msg/CameraInfo"
     left, top, width, height = message.roi
     roi = _ros(
-        "sensor_msgs/msg/RegionOfInterest", x_offset=left, y_offset=top, height=height,
-        width=width, do_rectify=False,
-    )  # fmt: skip
+        "sensor_msgs/msg/RegionOfInterest",
+        x_offset=left,
+        y_offset=top,
+        height=height,
+        width=width,
+        do_rectify=False,
+    )
     return kind, _ros(
-        kind, header=_header(message), height=message.height, width=message.width,
-        distortion_model=message.distortion_model, d=np.array(message.d, dtype=np.float64),
-        k=np.array(message.k), r=np.eye(3).ravel(), p=np.array(message.p or [0.0] * 12),
-        binning_x=message.binning[0], binning_y=message.binning[1], roi=roi,
-    )  # fmt: skip
+        kind,
+        header=_header(message),
+        height=message.height,
+        width=message.width,
+        distortion_model=message.distortion_model,
+        d=np.array(message.d, dtype=np.float64),
+        k=np.array(message.k),
+        r=np.eye(3).ravel(),
+        p=np.array(message.p or [0.0] * 12),
+        binning_x=message.binning[0],
+        binning_y=message.binning[1],
+        roi=roi,
+    )
 
 
 def _ros_transform(message):
     x, y, z = message.position
     qx, qy, qz, qw = message.orientation
     return _ros(
-        "geometry_msgs/msg/TransformStamped", header=_header(message),
+        "geometry_msgs/msg/TransformStamped",
+        header=_header(message),
         child_frame_id=message.child_frame_id,
         transform=_ros(
             "geometry_msgs/msg/Transform",
             translation=_ros("geometry_msgs/msg/Vector3", x=x, y=y, z=z),
             rotation=_ros("geometry_msgs/msg/Quaternion", x=qx, y=qy, z=qz, w=qw),
         ),
-    )  # fmt: skip
+    )
 
 
 def _ros_odometry(message, pose):
@@ -228,13 +255,16 @@ def _ros_odometry(message, pose):
     zero = _ros("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
     covariance = np.zeros(36)
     return kind, _ros(
-        kind, header=_header(message), child_frame_id=message.child_frame_id,
+        kind,
+        header=_header(message),
+        child_frame_id=message.child_frame_id,
         pose=_ros("geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=covariance),
         twist=_ros(
-            "geometry_msgs/msg/TwistWithCovariance", covariance=covariance,
+            "geometry_msgs/msg/TwistWithCovariance",
+            covariance=covariance,
             twist=_ros("geometry_msgs/msg/Twist", linear=zero, angular=zero),
         ),
-    )  # fmt: skip
+    )
 
 
 def write_seven_scenes(folder: Path, count=6):

@@ -31,12 +31,14 @@ def in_tf(messages):
         messages[0].message.stamp_ns, "base", (0.0,) * 3, (0.0, 0.0, 0.0, 1.0), CAMERA
     )
     moving = [
-        Recorded(Role.TF, TransformsMessage((
-            replace(one.message, frame_id="map", child_frame_id="base"),
-        )))
-        if one.role is Role.POSE else one
+        Recorded(
+            Role.TF,
+            TransformsMessage((replace(one.message, frame_id="map", child_frame_id="base"),)),
+        )
+        if one.role is Role.POSE
+        else one
         for one in messages
-    ]  # fmt: skip
+    ]
     return [Recorded(Role.TF_STATIC, TransformsMessage((mount,))), *moving]
 
 

@@ -7,10 +7,10 @@ import pytest
 from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
 
 from reflest_core.capture.errors import CaptureError
+from reflest_core.capture.formats.topics import TopicChoice
 from reflest_core.capture.messages import CompressedImageMessage, Role
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.capture.settings import CaptureSettings
-from reflest_core.capture.topics import TopicChoice
 from test.core.capture.recording import (
     TOPICS,
     Recorded,

@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reflest_core.capture.camera_info import check_camera_info
+from reflest_core.capture.images.rectify import Rectifier
 from reflest_core.capture.messages import CameraInfoMessage
-from reflest_core.capture.rectify import Rectifier
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.capture.settings import CaptureSettings
 

@@ -99,13 +99,24 @@ def test_transforms_start_again_too():
 
     def as_tf(messages):
         return [
-            Recorded(Role.TF, TransformsMessage((
-                PoseMessage(one.message.stamp_ns, "map", one.message.position,
-                            one.message.orientation, "camera_color_optical_frame"),
-            )))
-            if one.role is Role.POSE else one
+            Recorded(
+                Role.TF,
+                TransformsMessage(
+                    (
+                        PoseMessage(
+                            one.message.stamp_ns,
+                            "map",
+                            one.message.position,
+                            one.message.orientation,
+                            "camera_color_optical_frame",
+                        ),
+                    )
+                ),
+            )
+            if one.role is Role.POSE
+            else one
             for one in messages
-        ]  # fmt: skip
+        ]
 
     rig.stamps(as_tf(later(recording(3), 100)))
     assert rig.stamps(as_tf(recording(3)))[-2:] == [stamp(1), stamp(2)]

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from reflest_core.capture.errors import CaptureError
+from reflest_core.capture.formats.topics import TopicChoice
 from reflest_core.capture.open_capture import open_capture
-from reflest_core.capture.topics import TopicChoice
 from test.core.capture.recording import (
     FOCAL,
     HEIGHT,
@@ -118,9 +118,13 @@ def test_topics_do_not_apply_to_folders(scenes):
 
 @pytest.mark.parametrize(
     ("name", "words"),
-    [("absent", "does not exist"), ("empty", "not a capture"), ("notes.txt", "not a capture"),
-     ("old.bag", "rosbags-convert")],
-)  # fmt: skip
+    [
+        ("absent", "does not exist"),
+        ("empty", "not a capture"),
+        ("notes.txt", "not a capture"),
+        ("old.bag", "rosbags-convert"),
+    ],
+)
 def test_what_is_no_capture_is_told_what_would_be(tmp_path, name, words):
     (tmp_path / "empty").mkdir()
     (tmp_path / "notes.txt").write_text("hello")

@@ -5,7 +5,7 @@
 import pytest
 
 from benchmarks.scene.recording import Recording, recorded
-from reflest_core.capture.mcap_file import McapFile
+from reflest_core.capture.formats.mcap_file import McapFile
 
 FRAMES = 60
 

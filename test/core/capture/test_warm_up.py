@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 SCRIPT = """
-from reflest_core.capture import decode
+from reflest_core.capture.images import decode
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.capture.warm_up import warm_up
 warm_up()

@@ -76,11 +76,30 @@ def final_of(bag, tmp_path, capsys):
 def test_the_json_has_the_messages_field_names_and_null_for_unknown(final_of):
     final, printed = final_of("grouplet-fast")
     assert set(final) == {
-        "header", "schema_version", "model_id", "ward_variant", "rho_d", "rho_s", "alpha", "lab",
-        "c", "d", "voxel_count", "observation_count", "view_count", "coverage", "status",
-        "status_text", "rho_d_stddev", "rho_s_stddev", "alpha_stddev", "lab_stddev", "c_stddev",
-        "d_stddev", "latency",
-    }  # fmt: skip
+        "header",
+        "schema_version",
+        "model_id",
+        "ward_variant",
+        "rho_d",
+        "rho_s",
+        "alpha",
+        "lab",
+        "c",
+        "d",
+        "voxel_count",
+        "observation_count",
+        "view_count",
+        "coverage",
+        "status",
+        "status_text",
+        "rho_d_stddev",
+        "rho_s_stddev",
+        "alpha_stddev",
+        "lab_stddev",
+        "c_stddev",
+        "d_stddev",
+        "latency",
+    }
     assert final["latency"] is None
     assert final["rho_d_stddev"] == [None] * 3
     assert "±" not in printed
@@ -117,8 +136,10 @@ def test_a_region_of_interest_leaves_the_rest_out(replay, bag):
     assert 0 < sphere["final"]["voxel_count"] < whole["voxel_count"]
     assert 0 < box["final"]["voxel_count"] < whole["voxel_count"]
     assert sphere["settings"]["region"] == {
-        "shape": "sphere", "centre": [0, 0, 0], "size": [0.32, 0.32, 0.32],
-    }  # fmt: skip
+        "shape": "sphere",
+        "centre": [0, 0, 0],
+        "size": [0.32, 0.32, 0.32],
+    }
     assert box["settings"]["region"]["size"] == pytest.approx([0.32, 0.32, 0.25])
 
 

@@ -9,9 +9,9 @@ import pytest
 
 from reflest_core.brdf import srgb
 from reflest_core.environment.completed_light import LEAST_VOXELS, completed_light
-from reflest_core.features.light.completion import complete
-from reflest_core.fusion.light_map import SIZE, LightMap
-from reflest_core.fusion.octahedral import octahedral_directions
+from reflest_core.light.completion import complete
+from reflest_core.light.light_map import SIZE, LightMap
+from reflest_core.light.octahedral import octahedral_directions
 from test.core.surfaces import sphere_surface, without_observations
 
 FLOOR, SKY, ALBEDO = 0.1, 0.7, 0.5

@@ -9,10 +9,6 @@ import pytest
 
 from reflest_core.brdf import srgb
 from reflest_core.environment.environment_map import environment_map
-from reflest_core.environment.equirectangular import (
-    equirectangular_directions,
-    equirectangular_solid_angles,
-)
 from reflest_core.environment.picture import (
     DIMMED,
     LOWER_BOUND,
@@ -21,8 +17,12 @@ from reflest_core.environment.picture import (
     coverage_codes,
     tone_mapped,
 )
-from reflest_core.fusion.light_map import SIZE, LightMap, ObservedLight
-from reflest_core.fusion.octahedral import (
+from reflest_core.light.equirectangular import (
+    equirectangular_directions,
+    equirectangular_solid_angles,
+)
+from reflest_core.light.light_map import SIZE, LightMap, ObservedLight
+from reflest_core.light.octahedral import (
     octahedral_directions,
     octahedral_solid_angles,
     octahedral_texel,

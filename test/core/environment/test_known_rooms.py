@@ -8,14 +8,14 @@ import cv2
 import numpy as np
 import pytest
 
-from reflest_core.environment.equirectangular import equirectangular_directions
-from reflest_core.environment.known_light import KnownLight, KnownLightError
 from reflest_core.environment.known_rooms import KnownRooms, read_known_light
 from reflest_core.environment.room import Room, turned
-from reflest_core.fusion.light_map import SIZE, ObservedLight
-from reflest_core.fusion.octahedral import octahedral_directions
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.light.equirectangular import equirectangular_directions
+from reflest_core.light.known_light import KnownLight, KnownLightError
+from reflest_core.light.light_map import SIZE, ObservedLight
+from reflest_core.light.octahedral import octahedral_directions
 
 HEIGHT = 64
 SEEDS = range(6)

@@ -9,13 +9,16 @@ import pytest
 from reflest_core.estimation.doubts import Evidence, doubts
 from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.estimation.settings import EstimationSettings
-from reflest_core.features.light.light_knowledge import LightKnowledge
+from reflest_core.light.light_knowledge import LightKnowledge
 
 SETTINGS = EstimationSettings(low_coverage=0.2, low_light=0.3, clipped_light=0.5, low_gloss=0.02)
 SURE = {
-    "voxels": 48, "wanted_voxels": 48, "coverage": 0.2, "light": LightKnowledge(0.3, 0.5),
+    "voxels": 48,
+    "wanted_voxels": 48,
+    "coverage": 0.2,
+    "light": LightKnowledge(0.3, 0.5),
     "rho_s": 0.02,
-}  # fmt: skip
+}
 LONGEST_TEXT = 512
 """Of ``status_text`` in the message."""
 
@@ -28,12 +31,13 @@ LONGEST_TEXT = 512
         ({"light": LightKnowledge(0.29, 0.0)}, EstimateStatus.LOW_LIGHT, "29%.*30%: look round"),
         ({"light": LightKnowledge(0.0, 0.0)}, EstimateStatus.LOW_LIGHT, "^none.*30%"),
         (
-            {"light": LightKnowledge(0.9, 0.51)}, EstimateStatus.CLIPPED_LIGHT,
+            {"light": LightKnowledge(0.9, 0.51)},
+            EstimateStatus.CLIPPED_LIGHT,
             "51%.*50%: lower the exposure",
         ),
         ({"rho_s": 0.019}, EstimateStatus.UNCERTAIN_GLOSS, "0.019, below 0.02: .* alpha cannot"),
     ],
-)  # fmt: skip
+)
 def test_each_threshold_is_a_doubt_and_what_to_do(changed, status, sentence):
     assert list(doubts(Evidence(**SURE), SETTINGS)) == []
     ((found, text),) = doubts(Evidence(**{**SURE, **changed}), SETTINGS)
@@ -58,6 +62,10 @@ def test_all_doubts_come_in_the_order_that_the_message_states_and_fit_into_it():
     )
     found = list(doubts(worst, strict))
     assert [status.name for status, _ in found] == [
-        "FEW_VOXELS", "LOW_COVERAGE", "LOW_LIGHT", "CLIPPED_LIGHT", "UNCERTAIN_GLOSS",
-    ]  # fmt: skip
+        "FEW_VOXELS",
+        "LOW_COVERAGE",
+        "LOW_LIGHT",
+        "CLIPPED_LIGHT",
+        "UNCERTAIN_GLOSS",
+    ]
     assert len("; ".join(sentence for _, sentence in found)) <= LONGEST_TEXT

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from reflest_core.capture.camera import CameraIntrinsics
-from reflest_core.environment.known_light import KnownLightError
 from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.fusion import snapshot
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.light.known_light import KnownLightError
 from test.core.fusion.analytic_scene import (
     OBJECT,
     SMALL_CAMERA,

@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 from numba.core.registry import CPUDispatcher
 
-import reflest_core.features
+import reflest_core.inference
+import reflest_core.light
 import reflest_core.models
+import reflest_core.surface
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.estimation.warm_up import warm_up
@@ -22,9 +24,15 @@ from test.core.weight_files import untrained_lightnet
 
 
 def compiled_versions():
-    """How many compiled versions there are of each kernel of features and models."""
+    """How many compiled versions there are of each kernel between fusion and estimate."""
     versions = {}
-    for package in (reflest_core.features, reflest_core.models):
+    packages = (
+        reflest_core.light,
+        reflest_core.surface,
+        reflest_core.inference,
+        reflest_core.models,
+    )
+    for package in packages:
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
             content = vars(importlib.import_module(module.name))
             for name, value in content.items():
@@ -46,5 +54,5 @@ def test_no_kernel_is_compiled_afterwards(model, tmp_path):
     for scan in (surface, unknown):
         estimator.estimate(scan, 0, "")
     assert compiled_versions() == before
-    assert before["reflest_core.features.voxel_choice._k_centre_clusters"] == 1
-    assert before["reflest_core.features.turned_light._turn"] == 1
+    assert before["reflest_core.surface.voxel_choice._k_centre_clusters"] == 1
+    assert before["reflest_core.light.turned_light._turn"] == 1

@@ -9,10 +9,10 @@ import pytest
 
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
-from reflest_core.features import voxel_choice
-from reflest_core.features.voxel_choice import MOST_CANDIDATES
-from reflest_core.models import live_grouplet
+from reflest_core.models.grouplet import live as live_grouplet
 from reflest_core.models.model_choice import MODELS
+from reflest_core.surface import voxel_choice
+from reflest_core.surface.voxel_choice import MOST_CANDIDATES
 from test.core.lit_surfaces import lit
 from test.core.surfaces import sphere_surface
 from test.core.weight_files import untrained_lightnet

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from reflest_core.evaluation.shown_scenes import load_shown, random_subset, shown
-from reflest_core.evaluation.view_study import few_views
-from reflest_core.training.sample import TrainingError
+from reflest_core.evaluation.studies.view_study import few_views
+from reflest_core.training.data.sample import TrainingError
 from test.synbrdf.realism.sparse_scenes import ball_scene
 
 

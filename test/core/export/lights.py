@@ -6,8 +6,8 @@ import dataclasses
 
 import numpy as np
 
-from reflest_core.fusion.light_map import SIZE, ObservedLight
-from reflest_core.fusion.octahedral import octahedral_directions
+from reflest_core.light.light_map import SIZE, ObservedLight
+from reflest_core.light.octahedral import octahedral_directions
 from test.core.surfaces import sphere_surface, without_observations
 
 ROOM = np.array([0.02, 0.03, 0.04], np.float32)

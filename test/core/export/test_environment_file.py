@@ -10,8 +10,8 @@ from reflest_core.environment.environment_map import environment_map
 from reflest_core.export.environment_file import LIGHT_FORMATS, export_environment, light_format
 from reflest_core.export.errors import ExportError
 from reflest_core.export.material_file import export_estimate
-from reflest_core.fusion.light_map import LightMap
-from reflest_core.synbrdf.ward_bsdf import mi
+from reflest_core.light.light_map import LightMap
+from reflest_core.synbrdf.path_tracing.ward_bsdf import mi
 from test.core.export.estimates import GLOSSY_RED, glossy_red
 from test.core.export.lights import LAMP, around, lamp_towards
 

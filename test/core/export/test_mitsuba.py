@@ -7,7 +7,7 @@ import pytest
 
 from reflest_core.brdf.parameters import WardVariant
 from reflest_core.export.material_file import export_estimate
-from reflest_core.synbrdf.ward_bsdf import mi
+from reflest_core.synbrdf.path_tracing.ward_bsdf import mi
 from test.core.export.estimates import GLOSSY_RED, glossy_red
 
 TOWARDS_LIGHT = np.array([0.15, -0.9, 0.6]) / np.linalg.norm([0.15, -0.9, 0.6])

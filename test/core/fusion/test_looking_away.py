@@ -10,9 +10,9 @@ import pytest
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
-from reflest_core.fusion.octahedral import octahedral_texel
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.light.octahedral import octahedral_texel
 from test.core.fusion.analytic_scene import OBJECT, look_at, orbit, orbit_frames, render
 from test.core.fusion.scan_state import state_of
 

@@ -20,8 +20,12 @@ def corridor():
     root = script.parents[3]
     done = subprocess.run(
         [sys.executable, str(script), str(BUDGET_MB)],
-        capture_output=True, text=True, cwd=root, env={"PYTHONPATH": str(root)}, check=True,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        cwd=root,
+        env={"PYTHONPATH": str(root)},
+        check=True,
+    )
     return json.loads(done.stdout)
 
 

@@ -8,9 +8,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from reflest_core.fusion.observations.views import ViewTable
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
-from reflest_core.fusion.views import ViewTable
 from test.core.fusion.analytic_scene import (
     BACKGROUND,
     OBJECT,

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from reflest_core.errors import ReflestError
-from reflest_core.fusion.light_map import SIZE
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.scan_file import ScanFileError
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.light.light_map import SIZE
 from test.core.fusion.analytic_scene import orbit_frames
 from test.core.fusion.scan_state import assert_same_arrays, assert_same_surface, state_of
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from reflest_core.fusion import snapshot
-from reflest_core.fusion.observation_store import ObservationStore
-from reflest_core.fusion.views import ViewTable
+from reflest_core.fusion.observations.observation_store import ObservationStore
+from reflest_core.fusion.observations.views import ViewTable
 
 
 def filled(voxels):

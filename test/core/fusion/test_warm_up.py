@@ -13,9 +13,9 @@ import numpy as np
 from numba.core.registry import CPUDispatcher
 
 import reflest_core.fusion
+from reflest_core.fusion.observations.views import ViewTable
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
-from reflest_core.fusion.views import ViewTable
 from reflest_core.fusion.warm_up import warm_up
 from test.core.fusion.analytic_scene import OBJECT, look_at, orbit_frames, render
 from test.core.fusion.scan_state import assert_same_arrays, state_of
@@ -24,10 +24,10 @@ from test.core.fusion.scan_state import assert_same_arrays, state_of
 def compiled_versions():
     """How many compiled versions there are of each kernel, over all modules of fusion."""
     versions = {}
-    for module in pkgutil.iter_modules(reflest_core.fusion.__path__):
-        content = vars(importlib.import_module(f"reflest_core.fusion.{module.name}"))
+    for module in pkgutil.walk_packages(reflest_core.fusion.__path__, "reflest_core.fusion."):
+        content = vars(importlib.import_module(module.name))
         for name, value in content.items():
-            if isinstance(value, CPUDispatcher) and value.__module__.endswith(module.name):
+            if isinstance(value, CPUDispatcher) and value.__module__ == module.name:
                 versions[f"{module.name}.{name}"] = len(value.signatures)
     return versions
 
@@ -78,8 +78,11 @@ def test_nor_in_a_process_in_which_no_other_test_ran_a_kernel():
     test = f"{__file__}::{test_no_kernel_is_compiled_afterwards.__name__}"
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", test],
-        cwd=Path(__file__).parents[3], capture_output=True, text=True, timeout=600,
-    )  # fmt: skip
+        cwd=Path(__file__).parents[3],
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
     assert done.returncode == 0, done.stdout
 
 

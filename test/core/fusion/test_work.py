@@ -6,9 +6,9 @@ import dataclasses
 
 import numpy as np
 
-from reflest_core.fusion import tsdf
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.fusion.tsdf import volume as tsdf
 from test.core.fusion.analytic_scene import OBJECT, Sphere, look_at, orbit_frames, render
 
 SETTINGS = FusionSettings(max_depth=1.0)

@@ -9,11 +9,14 @@ import hypothesis.strategies as st
 import pytest
 from hypothesis import given
 
-from reflest_core.fusion import observation_store, tsdf, visibility, work_sharing
-from reflest_core.fusion.observed_surface import SURFACE_ARRAYS
+from reflest_core.fusion import work_sharing
+from reflest_core.fusion.frames import visibility
+from reflest_core.fusion.observations import observation_store
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.fusion.tsdf import volume as tsdf
 from reflest_core.fusion.work_sharing import share_out
+from reflest_core.surface.observed_surface import SURFACE_ARRAYS
 from test.core.fusion.analytic_scene import orbit_frames
 from test.core.fusion.scan_state import assert_same_arrays, state_of
 

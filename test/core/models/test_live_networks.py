@@ -9,19 +9,21 @@ import numpy as np
 import pytest
 import torch
 
-from reflest_core.features.grouplets import NODES_PER_VOXEL, draw_grouplets
-from reflest_core.features.hemisphere import hemisphere_images
-from reflest_core.features.voxel_choice import choose_voxels
-from reflest_core.models import lightnet_shapes, live_grouplet, live_hemicnn
-from reflest_core.models.grouplet import Grouplet
-from reflest_core.models.hemicnn import HemiCNN
-from reflest_core.models.lightnet import LightNet
-from reflest_core.models.live_grouplet import LiveGrouplet, observations_by_place
-from reflest_core.models.live_hemicnn import LiveHemiCNN
+from reflest_core.models.grouplet import live as live_grouplet
+from reflest_core.models.grouplet.grouplets import NODES_PER_VOXEL, draw_grouplets
+from reflest_core.models.grouplet.live import LiveGrouplet, observations_by_place
+from reflest_core.models.grouplet.network import Grouplet
+from reflest_core.models.hemicnn import live as live_hemicnn
+from reflest_core.models.hemicnn.hemisphere_images import hemisphere_images
+from reflest_core.models.hemicnn.live import LiveHemiCNN
+from reflest_core.models.hemicnn.network import HemiCNN
+from reflest_core.models.lightnet import shapes as lightnet_shapes
+from reflest_core.models.lightnet.network import LightNet
 from reflest_core.models.model_choice import MODELS
 from reflest_core.models.predictor import Predictor
 from reflest_core.models.torch_network import DeviceError, TorchNetwork
 from reflest_core.models.weights import SHIPPED, load_weights, shipped_models
+from reflest_core.surface.voxel_choice import choose_voxels
 from test.core.lit_surfaces import lit
 from test.core.surfaces import sphere_surface
 from test.core.weight_files import untrained_lightnet
@@ -138,7 +140,7 @@ def test_estimating_imports_neither_pytorch_nor_what_trains():
     script = (
         "import sys\n"
         "from reflest_core.cli.replay_run import replay\n"
-        "from reflest_core.models.live_lightnet import LiveLightNet\n"
+        "from reflest_core.models.lightnet.live import LiveLightNet\n"
         "from reflest_core.models.predictor import Predictor\n"
         "from reflest_core.models.weights import shipped_models\n"
         "for model in shipped_models(): Predictor(model)\n"

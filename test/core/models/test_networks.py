@@ -4,8 +4,8 @@
 
 import torch
 
-from reflest_core.models.grouplet import Grouplet
-from reflest_core.models.hemicnn import HemiCNN
+from reflest_core.models.grouplet.network import Grouplet
+from reflest_core.models.hemicnn.network import HemiCNN
 
 
 def bytes_in_float32(module):

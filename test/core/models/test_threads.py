@@ -5,7 +5,9 @@
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from reflest_core.models import live_grouplet, live_hemicnn, live_lightnet
+from reflest_core.models.grouplet import live as live_grouplet
+from reflest_core.models.hemicnn import live as live_hemicnn
+from reflest_core.models.lightnet import live as live_lightnet
 from reflest_core.models.predictor import Predictor
 from reflest_core.models.threads import _libraries, one_blas_thread, run_in_threads
 from test.core.surfaces import sphere_surface

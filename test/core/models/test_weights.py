@@ -8,8 +8,8 @@ from safetensors import safe_open
 from safetensors.numpy import save_file
 
 from reflest_core.brdf.parameters import WardVariant
-from reflest_core.models.grouplet import Grouplet
-from reflest_core.models.hemicnn import HemiCNN
+from reflest_core.models.grouplet.network import Grouplet
+from reflest_core.models.hemicnn.network import HemiCNN
 from reflest_core.models.model_choice import MODELS
 from reflest_core.models.normalisation import ParameterStatistics
 from reflest_core.models.predictor import SHAPES, Predictor
@@ -38,8 +38,10 @@ def test_round_trip_of_tensors_and_card(tmp_path):
     for name, tensor in tensors.items():
         np.testing.assert_array_equal(loaded[name], tensor.numpy())
     assert (read.network, read.parameters, read.variant) == (
-        "hemicnn", "ward", WardVariant.WARD_1992,
-    )  # fmt: skip
+        "hemicnn",
+        "ward",
+        WardVariant.WARD_1992,
+    )
     np.testing.assert_array_equal(read.output_statistics.mean, card().output_statistics.mean)
     assert read.recipe == {"seed": 1}
     assert len(digest) == 64

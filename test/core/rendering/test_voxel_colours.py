@@ -7,7 +7,6 @@ import pytest
 
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.brdf.srgb import decode
-from reflest_core.fusion.observed_surface import ObservedSurface
 from reflest_core.rendering.voxel_colours import (
     SCALE,
     UNKNOWN,
@@ -15,6 +14,7 @@ from reflest_core.rendering.voxel_colours import (
     observed_colours,
     view_count_colours,
 )
+from reflest_core.surface.observed_surface import ObservedSurface
 
 
 def surface(*observations, normal=(0.0, 0.0, 1.0)):

@@ -7,10 +7,10 @@ import json
 import numpy as np
 
 from reflest_core.brdf.parameters import WardParameters
-from reflest_core.synbrdf.scene_file import MANIFEST, SynbrdfScene, save_shard
-from reflest_core.synbrdf.thumbnails import Thumbnails
-from reflest_core.synbrdf.views import look_at
-from reflest_core.training.sample import Sample
+from reflest_core.synbrdf.scenes.scene_file import MANIFEST, SynbrdfScene, save_shard
+from reflest_core.synbrdf.scenes.thumbnails import Thumbnails
+from reflest_core.synbrdf.scenes.views import look_at
+from reflest_core.training.data.sample import Sample
 from test.core.surfaces import sphere_surface
 
 

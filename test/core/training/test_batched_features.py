@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 import torch
 
-from reflest_core.features.grouplets import DRAWN_FROM, draw_grouplets
-from reflest_core.features.hemisphere import hemisphere_images
-from reflest_core.features.tangent_frame import tangent_frame
-from reflest_core.features.voxel_choice import choose_voxels
-from reflest_core.training import batched_hemispheres as hemispheres
-from reflest_core.training import spread_voxels as spread
-from reflest_core.training.augmentation import Augmentation, keep_views
-from reflest_core.training.batched_grouplets import batched_grouplets, choose_observations
-from reflest_core.training.drawn_scenes import SceneDrawer
-from reflest_core.training.packed_scenes import PackedScenes
-from reflest_core.training.sample import Sample
-from reflest_core.training.spread_voxels import random_voxels, spread_voxels
+from reflest_core.models.grouplet.grouplets import DRAWN_FROM, draw_grouplets
+from reflest_core.models.hemicnn.hemisphere_images import hemisphere_images
+from reflest_core.surface.tangent_frame import tangent_frame
+from reflest_core.surface.voxel_choice import choose_voxels
+from reflest_core.training.data.augmentation import Augmentation, keep_views
+from reflest_core.training.data.sample import Sample
+from reflest_core.training.surface import batched_hemispheres as hemispheres
+from reflest_core.training.surface import spread_voxels as spread
+from reflest_core.training.surface.batched_grouplets import batched_grouplets, choose_observations
+from reflest_core.training.surface.drawn_scenes import SceneDrawer
+from reflest_core.training.surface.packed_scenes import PackedScenes
+from reflest_core.training.surface.spread_voxels import random_voxels, spread_voxels
 from test.core.surfaces import sphere_surface
 
 # The second has voxels with fewer than five observations.

@@ -13,8 +13,8 @@ import torch
 
 from reflest_core.cli.main import main
 from reflest_core.models.weights import load_weights
+from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.processes import Processes, joined_processes
-from reflest_core.training.sample import TrainingError
 from test.core.training.scenes import write_synbrdf
 
 ROOT = Path(__file__).parents[3]
@@ -24,10 +24,29 @@ TORCHRUN = ["-m", "torch.distributed.run", "--standalone", "--nproc-per-node", "
 def options(data, out):
     """A rule that keeps differences in rounding small."""
     return [
-        "train", str(data), "--model", "grouplet", "--out", str(out), "--device", "cpu",
-        "--threads", "1", "--recipe", "paper", "--minibatches", "6", "--batch-size", "4",
-        "--voxels", "8", "--parts", "2", "--validate-every", "3",
-    ]  # fmt: skip
+        "train",
+        str(data),
+        "--model",
+        "grouplet",
+        "--out",
+        str(out),
+        "--device",
+        "cpu",
+        "--threads",
+        "1",
+        "--recipe",
+        "paper",
+        "--minibatches",
+        "6",
+        "--batch-size",
+        "4",
+        "--voxels",
+        "8",
+        "--parts",
+        "2",
+        "--validate-every",
+        "3",
+    ]
 
 
 def weights_in(folder):
@@ -40,8 +59,11 @@ def test_two_processes_train_as_one_with_the_double_batch(tmp_path):
     loopback = {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1", "GLOO_SOCKET_IFNAME": "lo"}
     subprocess.run(
         [sys.executable, *TORCHRUN, "-m", "reflest_core.cli.main", *options(data, tmp_path / "2")],
-        check=True, cwd=ROOT, env={**os.environ, **loopback}, timeout=240,
-    )  # fmt: skip
+        check=True,
+        cwd=ROOT,
+        env={**os.environ, **loopback},
+        timeout=240,
+    )
     assert main(options(data, tmp_path / "1")) == 0
     together, alone = weights_in(tmp_path / "2"), weights_in(tmp_path / "1")
     for name, tensor in alone.items():

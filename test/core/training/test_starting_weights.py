@@ -7,18 +7,28 @@ import pytest
 import torch
 
 from reflest_core.cli.main import main
-from reflest_core.models.network_kind import NETWORKS
+from reflest_core.models.registry import NETWORKS
 from reflest_core.models.weights import load_weights
+from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.recipe import PAPER_RECIPES
-from reflest_core.training.sample import TrainingError
 from reflest_core.training.starting_weights import StartingWeights
 from reflest_core.training.variants import variant_named
 from test.core.training.scenes import write_synbrdf
 
 QUICK = [
-    "--device", "cpu", "--threads", "1", "--minibatches", "1", "--batch-size", "2",
-    "--voxels", "4", "--nodes-per-voxel", "2",
-]  # fmt: skip
+    "--device",
+    "cpu",
+    "--threads",
+    "1",
+    "--minibatches",
+    "1",
+    "--batch-size",
+    "2",
+    "--voxels",
+    "4",
+    "--nodes-per-voxel",
+    "2",
+]
 
 
 @pytest.fixture(scope="module")

@@ -12,13 +12,13 @@ import torch
 
 from reflest_core.models.predictor import Predictor
 from reflest_core.models.weights import load_weights
-from reflest_core.training.augmentation import Augmentation
-from reflest_core.training.data import TrainingData
+from reflest_core.training.data.augmentation import Augmentation
+from reflest_core.training.data.sample import TrainingError
+from reflest_core.training.data.sample_sets import TrainingData
 from reflest_core.training.processes import Processes
 from reflest_core.training.recipe import PAPER_RECIPES, WEIGHT_DECAY
 from reflest_core.training.run_folder import RunFolder
-from reflest_core.training.sample import TrainingError
-from reflest_core.training.surface_course import SurfaceCourse
+from reflest_core.training.surface.surface_course import SurfaceCourse
 from reflest_core.training.trainer import Trainer
 from reflest_core.training.weight_average import WeightAverage
 from test.core.training.scenes import learnable_samples
@@ -30,9 +30,12 @@ ALONE = Processes(0, 1, torch.device("cpu"))
 
 def recipe(network="hemicnn", **changes):
     small = {
-        "minibatches": 20, "batch_size": 4, "voxels": 8, "validation_voxels": 8,
+        "minibatches": 20,
+        "batch_size": 4,
+        "voxels": 8,
+        "validation_voxels": 8,
         "augmentation": SMALL,
-    }  # fmt: skip
+    }
     return dataclasses.replace(PAPER_RECIPES[network], **{**small, **changes})
 
 
@@ -50,9 +53,16 @@ def read_log(folder):
 @pytest.mark.parametrize("loss", ["rmse1", "rmse2", "cuberoot"])
 def test_every_loss_learns_what_is_plain_to_see(tmp_path, loss):
     path = train(
-        tmp_path, loss=loss, optimiser="adam", minibatches=150, learning_rate=4e-3,
-        colour_constancy=0.001, average=0.9, hold=0.5, warm_up=10,
-    )  # fmt: skip
+        tmp_path,
+        loss=loss,
+        optimiser="adam",
+        minibatches=150,
+        learning_rate=4e-3,
+        colour_constancy=0.001,
+        average=0.9,
+        hold=0.5,
+        warm_up=10,
+    )
     predictor = Predictor("hemicnn", path)
     estimates = np.stack([predictor.predict(sample.surface).ward for sample in DATA.validation])
     truths = np.stack([sample.ward for sample in DATA.validation])
@@ -68,9 +78,12 @@ def test_every_loss_learns_what_is_plain_to_see(tmp_path, loss):
 )
 def test_a_killed_training_resumes_to_the_same_weights(tmp_path, network, precision, monkeypatch):
     how = {
-        "network": network, "precision": precision, "average": 0.9, "optimiser": "adam",
+        "network": network,
+        "precision": precision,
+        "average": 0.9,
+        "optimiser": "adam",
         "validate_every": 5,
-    }  # fmt: skip
+    }
     expected, _, _ = load_weights(train(tmp_path / "whole", **how))
 
     class Killed(Exception):

@@ -8,14 +8,24 @@ import pytest
 from reflest_core.cli.main import main
 from reflest_core.models.weights import load_weights
 from reflest_core.synbrdf.realism.settings import Effect, Realism
-from reflest_core.training.sample import Degradation, load_samples
+from reflest_core.training.data.sample import Degradation, load_samples
 from reflest_core.training.variants import VARIANTS, variant_named
 from test.core.training.scenes import write_synbrdf
 
 QUICK = [
-    "--device", "cpu", "--threads", "1", "--minibatches", "3", "--batch-size", "2",
-    "--voxels", "4", "--nodes-per-voxel", "2",
-]  # fmt: skip
+    "--device",
+    "cpu",
+    "--threads",
+    "1",
+    "--minibatches",
+    "3",
+    "--batch-size",
+    "2",
+    "--voxels",
+    "4",
+    "--nodes-per-voxel",
+    "2",
+]
 
 
 @pytest.fixture(scope="module")
@@ -26,10 +36,14 @@ def data(tmp_path_factory):
 def test_the_seven_are_those_of_table_2():
     what = [(v.network, v.loss, v.colour_constancy > 0) for v in VARIANTS]
     assert what == [
-        ("grouplet", "rmse1", True), ("grouplet", "rmse1", False), ("hemicnn", "rmse2", False),
-        ("hemicnn", "cuberoot", False), ("hemicnn", "rmse1", False), ("hemicnn", "cuberoot", True),
+        ("grouplet", "rmse1", True),
+        ("grouplet", "rmse1", False),
+        ("hemicnn", "rmse2", False),
+        ("hemicnn", "cuberoot", False),
+        ("hemicnn", "rmse1", False),
+        ("hemicnn", "cuberoot", True),
         ("grouplet", "rmse2", False),
-    ]  # fmt: skip
+    ]
     assert variant_named("grouplet-rmse1-ec").colour_constancy == 0.01
     assert len({variant.file_name for variant in VARIANTS}) == 7
 
@@ -65,8 +79,11 @@ def test_realism_shows_every_scene_a_second_time(tmp_path, data):
     assert main(["train", str(data), *out, *QUICK]) == 0
     _, card, _ = load_weights(tmp_path / "hemicnn.safetensors")
     assert card.recipe["data"] == {
-        "seed": 7, "train": 8, "validation": 3, "realism": ["sensor", "pose"],
-    }  # fmt: skip
+        "seed": 7,
+        "train": 8,
+        "validation": 3,
+        "realism": ["sensor", "pose"],
+    }
     clean = load_samples(data, "train")
     degradation = Degradation(Realism.only([Effect.SENSOR]), seed=1)
     first, again = (load_samples(data, "train", degradation) for _ in range(2))

@@ -4,13 +4,13 @@
 
 import numpy as np
 
-from reflest_core.brdf import rgbe
 from reflest_core.brdf.parameters import WardParameters
-from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.synbrdf.exposure import expose
-from reflest_core.synbrdf.scene_file import SynbrdfScene
-from reflest_core.synbrdf.thumbnails import Thumbnails
-from reflest_core.synbrdf.views import look_at
+from reflest_core.light import rgbe
+from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.synbrdf.scenes.exposure import expose
+from reflest_core.synbrdf.scenes.scene_file import SynbrdfScene
+from reflest_core.synbrdf.scenes.thumbnails import Thumbnails
+from reflest_core.synbrdf.scenes.views import look_at
 
 EXPOSURE = 0.5
 

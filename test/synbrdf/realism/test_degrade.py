@@ -7,10 +7,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from reflest_core.brdf import rgbe, srgb
-from reflest_core.synbrdf.exposure import expose
+from reflest_core.brdf import srgb
+from reflest_core.light import rgbe
 from reflest_core.synbrdf.realism.degrade import degrade
 from reflest_core.synbrdf.realism.settings import Effect, Realism, RealismError, parse_effects
+from reflest_core.synbrdf.scenes.exposure import expose
 from test.synbrdf.realism.sparse_scenes import EXPOSURE, ball_scene
 
 

@@ -16,7 +16,7 @@ from reflest_core.synbrdf.measurement.shading_error import shading_error
 from reflest_core.synbrdf.realism.depth_sensor import DepthSensor
 from reflest_core.synbrdf.realism.jpeg import compression_error
 from reflest_core.synbrdf.realism.settings import Effect, Realism
-from reflest_core.synbrdf.sequence_scene import SequenceRequest
+from reflest_core.synbrdf.sequences.sequence_scene import SequenceRequest
 from test.synbrdf.spheres import icosphere
 
 SCAN = SequenceRequest(seed=1, frames=12, width=320, height=240, shape="superquadric")

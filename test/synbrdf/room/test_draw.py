@@ -5,15 +5,15 @@
 import numpy as np
 import pytest
 
-from reflest_core.synbrdf.environments import procedural_skies
-from reflest_core.synbrdf.procedural_sky import procedural_sky
+from reflest_core.synbrdf.lights.environments import procedural_skies
+from reflest_core.synbrdf.lights.procedural_sky import procedural_sky
 from reflest_core.synbrdf.room.draw import DEPTH_REACHES, draw_room
 from reflest_core.synbrdf.room.furnishing import Stage
 from reflest_core.synbrdf.room.geometry import ATLAS_TILES, Box
 from reflest_core.synbrdf.room.paint import draw_paint
-from reflest_core.synbrdf.scene import Lighting, draw_scene
-from reflest_core.synbrdf.splits import Sources, Split
-from reflest_core.synbrdf.views import draw_views
+from reflest_core.synbrdf.scenes.scene import Lighting, draw_scene
+from reflest_core.synbrdf.scenes.splits import Sources, Split
+from reflest_core.synbrdf.scenes.views import draw_views
 from test.synbrdf.spheres import icosphere
 
 SKY = procedural_sky(0, 32)

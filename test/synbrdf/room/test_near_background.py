@@ -10,15 +10,15 @@ import pytest
 pytest.importorskip("mitsuba")
 
 from reflest_core.capture.frame import Frame
-from reflest_core.fusion.background_light import background_pixels
-from reflest_core.fusion.light_map import LightMap
-from reflest_core.synbrdf.exposure import expose
-from reflest_core.synbrdf.generation import Generation
-from reflest_core.synbrdf.scene import Lighting
-from reflest_core.synbrdf.scene_light import background_directions, scene_light
-from reflest_core.synbrdf.sparse_scene import SparseRenderer, SparseSettings
-from reflest_core.synbrdf.splits import Split
-from reflest_core.synbrdf.thumbnails import THUMBNAIL
+from reflest_core.fusion.frames.background_light import background_pixels
+from reflest_core.light.light_map import LightMap
+from reflest_core.synbrdf.generation.data_set import Generation
+from reflest_core.synbrdf.path_tracing.sparse_scene import SparseRenderer, SparseSettings
+from reflest_core.synbrdf.relit.scene_light import background_directions, scene_light
+from reflest_core.synbrdf.scenes.exposure import expose
+from reflest_core.synbrdf.scenes.scene import Lighting
+from reflest_core.synbrdf.scenes.splits import Split
+from reflest_core.synbrdf.scenes.thumbnails import THUMBNAIL
 
 GENERATION = Generation(1, {"train": 8}, views=12, lighting=Lighting.NEAR)
 
@@ -62,8 +62,10 @@ def test_a_wall_point_is_in_one_direction_from_the_object_for_all_cameras(scene)
             continue
         pose = thumbnails.T_world_camera[0]
         ray = pose[:3, :3] @ [
-            (column - THUMBNAIL.cx) / THUMBNAIL.fx, (row - THUMBNAIL.cy) / THUMBNAIL.fy, 1.0,
-        ]  # fmt: skip
+            (column - THUMBNAIL.cx) / THUMBNAIL.fx,
+            (row - THUMBNAIL.cy) / THUMBNAIL.fy,
+            1.0,
+        ]
         point = pose[:3, 3] + ray * thumbnails.depth[0, row, column] / 1000.0
         for view in range(1, 12):
             found = seen_at(thumbnails, view, point)

@@ -8,10 +8,10 @@ import pytest
 
 pytest.importorskip("mitsuba")
 
-from reflest_core.synbrdf.generation import Generation
-from reflest_core.synbrdf.scene import Lighting
-from reflest_core.synbrdf.scene_images import SceneImages
-from reflest_core.synbrdf.splits import Split
+from reflest_core.synbrdf.generation.data_set import Generation
+from reflest_core.synbrdf.path_tracing.scene_images import SceneImages
+from reflest_core.synbrdf.scenes.scene import Lighting
+from reflest_core.synbrdf.scenes.splits import Split
 
 GENERATION = Generation(1, {"train": 4}, views=6, lighting=Lighting.NEAR)
 

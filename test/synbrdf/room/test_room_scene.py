@@ -13,8 +13,8 @@ from reflest_core.synbrdf.room.paint import TEXELS
 from test.synbrdf.spheres import icosphere
 
 room_scene = pytest.importorskip("reflest_core.synbrdf.room.room_scene")
-mitsuba_scene = pytest.importorskip("reflest_core.synbrdf.mitsuba_scene")
-ward_bsdf = pytest.importorskip("reflest_core.synbrdf.ward_bsdf").ward_bsdf
+mitsuba_scene = pytest.importorskip("reflest_core.synbrdf.path_tracing.mitsuba_scene")
+ward_bsdf = pytest.importorskip("reflest_core.synbrdf.path_tracing.ward_bsdf").ward_bsdf
 depth_view = pytest.importorskip("reflest_core.synbrdf.room.depth_view")
 
 BOX = Box(np.array([-1.0, -1.3, -0.6]), np.array([1.5, 1.1, 1.2]))
@@ -76,8 +76,10 @@ def test_a_globe_sends_what_a_sphere_sends():
     tracer = mitsuba_scene.RadianceTracer(1024, lanes=1 << 15)
     traced = tracer.trace(
         scene_of(room([BLACK] * 6, lamps=[], globes=[globe])),
-        (points + 0.4 * normals).astype(np.float32), -normals.astype(np.float32), 3,
-    )  # fmt: skip
+        (points + 0.4 * normals).astype(np.float32),
+        -normals.astype(np.float32),
+        3,
+    )
     apart = globe.centre - points
     distance = np.linalg.norm(apart, axis=1)
     cosine = np.einsum("ij,ij->i", apart, normals) / distance

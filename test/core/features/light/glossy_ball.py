@@ -4,12 +4,12 @@
 
 import numpy as np
 
-from reflest_core.features.light.completion import complete
-from reflest_core.features.light.irradiance import mean_radiance
-from reflest_core.features.light.surface_sample import OBSERVATIONS, SurfaceSample
-from reflest_core.features.light.ward_lobe import lobe_radiance
-from reflest_core.fusion.light_map import SIZE, ObservedLight
-from reflest_core.fusion.octahedral import octahedral_directions
+from reflest_core.inference.transport.irradiance import mean_radiance
+from reflest_core.inference.transport.ward_lobe import lobe_radiance
+from reflest_core.light.completion import complete
+from reflest_core.light.light_map import SIZE, ObservedLight
+from reflest_core.light.octahedral import octahedral_directions
+from reflest_core.surface.surface_sample import OBSERVATIONS, SurfaceSample
 
 VOXELS = 96
 
@@ -46,6 +46,11 @@ def ball(radiance, rho_d, rho_s, roughness, voxels=VOXELS):
     lobes = lobe_radiance(light, normals[voxel_of], cameras[slot])[:, roughness, :3]
     colours = (np.asarray(rho_d, np.float32) * diffuse + rho_s * lobes).astype(np.float32)
     return SurfaceSample(
-        np.arange(len(normals)), normals, voxel_of, slot, cameras[slot],
-        np.minimum(colours, 1.0), colours >= 1.0,
-    )  # fmt: skip
+        np.arange(len(normals)),
+        normals,
+        voxel_of,
+        slot,
+        cameras[slot],
+        np.minimum(colours, 1.0),
+        colours >= 1.0,
+    )

@@ -7,15 +7,15 @@ import pytest
 
 from reflest_core.brdf import srgb
 from reflest_core.brdf.albedo import specular_albedo
-from reflest_core.features.light.completion import complete
-from reflest_core.features.light.irradiance import mean_radiance
-from reflest_core.features.light.light_zones import light_zones
-from reflest_core.features.light.shading import shading
-from reflest_core.features.light.surface_sample import OBSERVATIONS
-from reflest_core.features.light.ward_lobe import ROUGHNESSES, lobe_radiance
-from reflest_core.fusion.light_map import SIZE, ObservedLight
-from reflest_core.fusion.observed_surface import ObservedSurface
-from reflest_core.fusion.octahedral import octahedral_directions
+from reflest_core.inference.transport.irradiance import mean_radiance
+from reflest_core.inference.transport.ward_lobe import ROUGHNESSES, lobe_radiance
+from reflest_core.light.completion import complete
+from reflest_core.light.light_map import SIZE, ObservedLight
+from reflest_core.light.octahedral import octahedral_directions
+from reflest_core.models.lightnet.light_zones import light_zones
+from reflest_core.models.lightnet.shading import shading
+from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.surface.surface_sample import OBSERVATIONS
 
 GREY = np.array([0.2, 0.4, 0.1], np.float32)
 

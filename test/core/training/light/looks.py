@@ -4,8 +4,8 @@
 
 import numpy as np
 
-from reflest_core.features.light.surface_shading import surface_shading
-from reflest_core.models.lightnet import VOXELS
+from reflest_core.models.lightnet.network import VOXELS
+from reflest_core.models.lightnet.surface_shading import surface_shading
 from reflest_core.training.light.shading_axes import AXES
 from reflest_core.training.light.shadings import Shadings
 from test.core.surfaces import sphere_surface
@@ -32,13 +32,14 @@ def made_looks(count, seed, noise=1.0):
         "clipped": np.zeros((count, VOXELS, SLOTS, 3)),
         "cosine": rng.uniform(0.3, 1.0, (count, VOXELS, SLOTS)) * seen,
         "lobe": lobe * seen[..., None, None],
-        "lobe_seen": share, "lobe_clipped": 0.1 * share,
+        "lobe_seen": share,
+        "lobe_clipped": 0.1 * share,
         "normals": normals / np.linalg.norm(normals, axis=-1, keepdims=True),
         "diffuse_light": rng.uniform(0.2, 0.6, (count, VOXELS, 3)),
         "diffuse_seen": rng.uniform(size=(count, VOXELS)),
         "diffuse_clipped": rng.uniform(0.0, 0.1, (count, VOXELS)),
         "zones": rng.uniform(0.0, 1.0, (count, 8, 5)),
-    }  # fmt: skip
+    }
     surface = sphere_surface(VOXELS, 30)
     look = surface_shading(surface, np.arange(VOXELS))
     for name in sorted(AXES.keys() - arrays.keys()):

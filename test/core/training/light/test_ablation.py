@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import torch
 
-from reflest_core.features.light.explained_light import explain
-from reflest_core.features.light.scene_statistics import scene_statistics
-from reflest_core.features.light.surface_shading import assumed_light
+from reflest_core.inference.explained_light import explain
+from reflest_core.models.lightnet.scene_statistics import scene_statistics
+from reflest_core.models.lightnet.surface_shading import assumed_light
+from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.light.ablation import PARTS, check_parts
 from reflest_core.training.light.light_batches import whole_looks
-from reflest_core.training.sample import TrainingError
 from test.core.surfaces import sphere_surface
 from test.core.training.light.looks import made_looks
 

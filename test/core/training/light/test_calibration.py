@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from reflest_core.models.calibration import Calibration
+from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.light.calibration import fitted_calibration
 from reflest_core.training.light.measured_looks import HALF_WIDTH, HELD_OUT, MeasuredLooks
-from reflest_core.training.sample import TrainingError
 
 
 def erring(errors, deviations=None, environments=None):

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import torch
 
-from reflest_core.features.light.surface_shading import surface_shading
-from reflest_core.models.lightnet import VOXELS, LightNet
+from reflest_core.models.lightnet.network import VOXELS, LightNet
+from reflest_core.models.lightnet.surface_shading import surface_shading
 from reflest_core.models.weights import load_weights
 from reflest_core.training.light.light_batches import varied_looks, whole_looks
 from reflest_core.training.light.light_course import LightCourse

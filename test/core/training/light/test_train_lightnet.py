@@ -14,9 +14,23 @@ from reflest_core.training.light.measured_looks import MeasuredLooks
 from test.core.training.scenes import write_synbrdf
 
 QUICK = [
-    "--model", "lightnet", "--device", "cpu", "--threads", "1", "--jobs", "1", "--looks", "2",
-    "--minibatches", "2", "--batch-size", "4", "--voxels", "6",
-]  # fmt: skip
+    "--model",
+    "lightnet",
+    "--device",
+    "cpu",
+    "--threads",
+    "1",
+    "--jobs",
+    "1",
+    "--looks",
+    "2",
+    "--minibatches",
+    "2",
+    "--batch-size",
+    "4",
+    "--voxels",
+    "6",
+]
 
 
 @pytest.fixture(scope="module")

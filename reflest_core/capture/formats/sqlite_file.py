@@ -1,0 +1,82 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""rosbag2's sqlite3 files (.db3), whole or cut off."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections import Counter
+from collections.abc import Collection, Iterator
+from contextlib import closing
+from pathlib import Path
+
+from reflest_core.capture.errors import CaptureError
+from reflest_core.capture.formats.bag_file import BagTopic, RawMessage, damage_sentence
+
+
+class SqliteFile:
+    """One .db3 file; ``damage`` is a sentence where it could not be read to its end."""
+
+    def __init__(self, path: Path) -> None:
+        """Read which messages there are.
+
+        Raises:
+            CaptureError: if it is not such a file or holds no message that can be read.
+        """
+        self.damage: str | None = None
+        self._path = path
+        self._topics: dict[int, tuple[str, str]] = {}
+        self._index: list[tuple[int, int, int]] = []  # log time, message id, topic id
+        try:
+            with closing(self._connect()) as database:
+                for topic_id, name, message_type in database.execute(
+                    "SELECT id, name, type FROM topics"
+                ):
+                    self._topics[topic_id] = (name, message_type)
+                self._read_index(database)
+        except sqlite3.Error as error:
+            raise CaptureError(f"{path} cannot be read as a rosbag2 database: {error}") from error
+        if not self._index:
+            raise CaptureError(self.damage or f"{path} holds no messages")
+
+    @property
+    def topics(self) -> list[BagTopic]:
+        """All recorded topics."""
+        counts = Counter(topic_id for _, _, topic_id in self._index)
+        return [BagTopic(*self._topics[key], counts[key]) for key in self._topics]
+
+    def messages(self, topics: Collection[str]) -> Iterator[RawMessage]:
+        """Yield the messages of ``topics`` by log time, up to the end or the damage."""
+        wanted = {key for key, (name, _) in self._topics.items() if name in topics}
+        first = last = None
+        with closing(self._connect()) as database:
+            for log_time, message_id, topic_id in self._index:
+                if topic_id not in wanted:
+                    continue
+                query = "SELECT data FROM messages WHERE id = ?"
+                try:
+                    (cdr,) = database.execute(query, (message_id,)).fetchone()
+                except sqlite3.Error as error:
+                    self.damage = damage_sentence(self._path.name, error, first, last)
+                    return
+                yield RawMessage(*self._topics[topic_id], log_time, cdr)
+                first, last = log_time if first is None else first, log_time
+
+    def _connect(self) -> sqlite3.Connection:
+        database = sqlite3.connect(f"{self._path.absolute().as_uri()}?mode=ro", uri=True)
+        # SQLite reads a file that is shorter than its header says in this mode alone.
+        database.execute("PRAGMA writable_schema = ON")
+        return database
+
+    def _read_index(self, database: sqlite3.Connection) -> None:
+        # In the table's own order, so that damage ends the list and does not prevent it.
+        rows = database.execute("SELECT timestamp, id, topic_id FROM messages ORDER BY id")
+        try:
+            for log_time, message_id, topic_id in rows:
+                if topic_id in self._topics:
+                    self._index.append((log_time, message_id, topic_id))
+        except sqlite3.Error as error:
+            times = [log_time for log_time, _, _ in self._index]
+            first, last = min(times, default=None), max(times, default=None)
+            self.damage = damage_sentence(self._path.name, error, first, last)
+        self._index.sort()

@@ -1,0 +1,54 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""A sheet of pictures: truth and every variant's estimate, material by material."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.evaluation.contenders import EvaluationError
+from reflest_core.evaluation.pictures.bumpy import SIZE
+from reflest_core.evaluation.pictures.swatches import Swatch
+from reflest_core.training.data.sample import Sample
+
+SHOWN = 10
+"""Materials on the sheet."""
+
+
+def draw_contact_sheet(
+    path: Path,
+    swatches: list[Swatch],
+    samples: list[Sample],
+    estimates: dict[str, NDArray[np.float64]],
+) -> None:
+    """Write a PNG: a row for the truth and for each variant, a column pair for each material.
+
+    Each material is shown on the sphere under the first environment and on the bumpy object
+    under a point light. ``samples`` and rows of ``estimates`` are those to be shown.
+    """
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise EvaluationError("plots need matplotlib: pip install matplotlib") from error
+    pair = (swatches[0], swatches[-4])
+    rows = {"truth": np.stack([sample.ward for sample in samples]), **estimates}
+    sheet = np.concatenate(
+        [
+            np.concatenate([swatch.picture(ward) for ward in wards for swatch in pair], axis=1)
+            for wards in rows.values()
+        ]
+    )
+    height = 0.55 * len(rows)
+    figure = Figure(figsize=(0.55 * 2 * len(samples) + 1.6, height + 0.3), layout="constrained")
+    axes = figure.subplots()
+    axes.imshow(np.clip(sheet, 0, 1), interpolation="lanczos")
+    axes.set_yticks([SIZE * (row + 0.5) for row in range(len(rows))], list(rows), fontsize=8)
+    places = [SIZE * (2 * column + 1) for column in range(len(samples))]
+    axes.set_xticks(places, [f"v{sample.index}" for sample in samples], fontsize=8)
+    axes.tick_params(length=0)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+    figure.savefig(path, dpi=130, bbox_inches="tight")

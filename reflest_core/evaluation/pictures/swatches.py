@@ -1,0 +1,125 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures of any Ward BRDF under fixed lights in no time: what does not depend on it is kept.
+
+Under an environment a picture is linear in ``rho_d`` and ``rho_s``, so that one irradiance map and
+the specular response at a ladder of roughnesses give every picture.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.brdf import srgb
+from reflest_core.brdf.sampling import sample_specular, specular_weight
+from reflest_core.brdf.ward import evaluate
+from reflest_core.evaluation.pictures.bumpy import Shape
+from reflest_core.rendering.environments import irradiance, look_up
+from reflest_core.synbrdf.scenes.exposure import auto_exposure
+
+ALPHAS = np.geomspace(0.001, 0.5, 32)
+"""The ladder of roughnesses."""
+STRATA = 12
+"""On each side: 144 directions in each pixel."""
+TOWARDS_CAMERA = np.array([0.0, -1.0, 0.0])
+WHITE_POINT = 0.9
+"""sRGB-linear value of a white matt surface that faces the point light."""
+
+Picture = NDArray[np.float64]
+
+
+def point_light_directions(count: int = 4) -> NDArray[np.float64]:
+    """(count, 3) unit: a light that circles the camera's axis, 50 degrees aside."""
+    turn = 2 * math.pi * (np.arange(count) + 0.5) / count
+    aside = math.radians(50)
+    return np.stack(
+        [
+            math.sin(aside) * np.cos(turn),
+            np.full(count, -math.cos(aside)),
+            math.sin(aside) * np.sin(turn),
+        ],
+        axis=-1,
+    )
+
+
+@dataclass(frozen=True)
+class EnvironmentSwatch:
+    """One shape under one environment; ``glossy``: (A, P, 3) of ``rho_s`` = 1."""
+
+    shape: Shape
+    light: str
+    diffuse: NDArray[np.float64]
+    glossy: NDArray[np.float64]
+    exposure: float
+
+    @staticmethod
+    def prepare(shape: Shape, light: str, radiance: NDArray[np.float32]) -> EnvironmentSwatch:
+        """Sum over ``radiance``, lat-long as :func:`~.rendering.environments.look_up` reads it."""
+        frames = _local_frames(shape.normals)
+        omega_o = np.einsum("pij,j->pi", frames, TOWARDS_CAMERA)[:, None]
+        edge = np.arange(STRATA) / STRATA
+        corners = np.stack(np.meshgrid(edge, edge, indexing="ij"), -1).reshape(1, -1, 2)
+        shifts = np.random.default_rng(0).random((len(frames), 1, 2)) / STRATA
+        glossy = np.empty((len(ALPHAS), len(frames), 3))
+        for step, alpha in enumerate(ALPHAS):
+            mirrored = sample_specular(alpha, omega_o, corners + shifts)
+            weights = specular_weight(1.0, mirrored, omega_o)
+            arriving = look_up(radiance, np.einsum("pji,psj->psi", frames, mirrored))
+            glossy[step] = (weights[..., None] * arriving).mean(axis=1)
+        diffuse = irradiance(radiance, shape.normals) / math.pi
+        return EnvironmentSwatch(shape, light, diffuse, glossy, auto_exposure(radiance))
+
+    def picture(self, ward: NDArray[np.float64]) -> Picture:
+        """SRGB (SIZE, SIZE, 3) in [0, 1] of (5,) Ward parameters; black beside the shape."""
+        place = np.interp(np.log(ward[4]), np.log(ALPHAS), np.arange(len(ALPHAS)))
+        low = min(int(place), len(ALPHAS) - 2)
+        share = place - low
+        glossy = (1 - share) * self.glossy[low] + share * self.glossy[low + 1]
+        radiance = ward[:3] * self.diffuse + ward[3] * glossy
+        return _picture(self.shape, radiance * self.exposure)
+
+
+@dataclass(frozen=True)
+class PointLightSwatch:
+    """One shape under a distant lamp towards ``direction``, which lights white to 0.9."""
+
+    shape: Shape
+    light: str
+    omega_i: NDArray[np.float64]
+    omega_o: NDArray[np.float64]
+
+    @staticmethod
+    def prepare(shape: Shape, light: str, direction: NDArray[np.float64]) -> PointLightSwatch:
+        """Directions in the local frames of the shape's pixels."""
+        frames = _local_frames(shape.normals)
+        omega_i, omega_o = (
+            np.einsum("pij,j->pi", frames, towards) for towards in (direction, TOWARDS_CAMERA)
+        )
+        return PointLightSwatch(shape, light, omega_i, omega_o)
+
+    def picture(self, ward: NDArray[np.float64]) -> Picture:
+        """SRGB (SIZE, SIZE, 3) in [0, 1] of (5,) Ward parameters; black beside the shape."""
+        value = evaluate(ward[:3], ward[3], ward[4], self.omega_i, self.omega_o)
+        cosine = np.clip(self.omega_i[:, 2:], 0, None)
+        return _picture(self.shape, WHITE_POINT * math.pi * value * cosine)
+
+
+Swatch = EnvironmentSwatch | PointLightSwatch
+
+
+def _picture(shape: Shape, radiance: NDArray[np.float64]) -> Picture:
+    image = np.zeros((*shape.inside.shape, 3))
+    image[shape.inside] = srgb.encode(radiance)
+    return image
+
+
+def _local_frames(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(P, 3, 3) rotations from world to local frames with +z on the normal."""
+    helper = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]])
+    tangent = np.cross(helper, normals)
+    tangent /= np.linalg.norm(tangent, axis=-1, keepdims=True)
+    return np.stack([tangent, np.cross(normals, tangent), normals], axis=1)

@@ -1,3 +1,0 @@
-# Copyright 2026 The reflest developers
-# SPDX-License-Identifier: Apache-2.0
-"""What the networks see of an observed surface."""

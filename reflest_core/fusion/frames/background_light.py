@@ -1,0 +1,97 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Which pixels of a frame show the light around the object, and where the object sees them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.capture.frame import Frame
+from reflest_core.jit import compiled, kernel_array
+
+ACROSS = 80
+"""Pixels taken along an image row: under a degree apart, finer than a texel of the light map."""
+MARGIN = 3
+"""Pixels from the object within which its colour may have bled into the background."""
+
+
+def background_pixels(
+    frame: Frame,
+    foreground: NDArray[np.bool_],
+    depth: NDArray[np.float32],
+    object_centre: NDArray[np.floating],
+    object_radius: float = 0.0,
+) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    """Directions (P, 3) and colours (P, 3) uint8 of a grid of background pixels.
+
+    A pixel with ``depth`` (H, W; 0 where unknown) is a point in the room and lies in the direction
+    in which the object sees it, from ``object_centre`` (3,), world frame, metres; one without is
+    taken to be far away. Points nearer to the centre than ``object_radius`` (metres) are left out:
+    they are the object's own, or touch it, and each of its sides sees them elsewhere.
+    ``foreground``: (H, W) bool. Directions: world frame, any length.
+    """
+    camera = frame.intrinsics
+    step = max(camera.width // ACROSS, 1)
+    return _gather(
+        kernel_array(frame.rgb, np.uint8),
+        kernel_array(foreground, np.bool_),
+        kernel_array(depth, np.float32),
+        kernel_array(frame.T_world_camera, np.float64),
+        camera.fx,
+        camera.fy,
+        camera.cx,
+        camera.cy,
+        np.asarray(object_centre, np.float64),
+        float(object_radius),
+        step,
+    )
+
+
+@compiled
+def _gather(
+    rgb: NDArray[np.uint8],
+    foreground: NDArray[np.bool_],
+    depth: NDArray[np.float32],
+    T: NDArray[np.float64],
+    fx: float,
+    fy: float,
+    cx: float,
+    cy: float,
+    centre: NDArray[np.float64],
+    radius: float,
+    step: int,
+) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    height, width = foreground.shape
+    most = (height // step + 1) * (width // step + 1)
+    directions = np.empty((most, 3), np.float32)
+    colours = np.empty((most, 3), np.uint8)
+    count = 0
+    for v in range(step // 2, height, step):
+        for u in range(step // 2, width, step):
+            if _is_near(foreground, v, u):
+                continue
+            x, y, z = (u - cx) / fx, (v - cy) / fy, 1.0
+            is_far = not depth[v, u] > 0.0
+            scale = 1.0 if is_far else float(depth[v, u])
+            for axis in range(3):
+                turned = (T[axis, 0] * x + T[axis, 1] * y + T[axis, 2] * z) * scale
+                offset = 0.0 if is_far else T[axis, 3] - centre[axis]
+                directions[count, axis] = turned + offset
+                colours[count, axis] = rgb[v, u, axis]
+            squared = 0.0
+            for axis in range(3):
+                squared += directions[count, axis] ** 2
+            if squared > (0.0 if is_far else radius**2):
+                count += 1
+    return directions[:count], colours[:count]
+
+
+@compiled
+def _is_near(foreground: NDArray[np.bool_], v: int, u: int) -> bool:
+    height, width = foreground.shape
+    for row in (max(v - MARGIN, 0), v, min(v + MARGIN, height - 1)):
+        for column in (max(u - MARGIN, 0), u, min(u + MARGIN, width - 1)):
+            if foreground[row, column]:
+                return True
+    return False

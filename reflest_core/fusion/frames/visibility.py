@@ -1,0 +1,99 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Which surface voxels a view truly sees.
+
+All of these must hold: the voxel projects inside the image; the pixel nearest to it is foreground
+within ``max_depth`` and clear of depth edges (``FramePixels.surface``); the depth there agrees with
+the voxel's (``depth_tolerance``), so that nothing stands in front of it; and the angle between its
+normal and the direction to the camera is at most ``max_grazing_angle``.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.capture.frame import Frame
+from reflest_core.fusion.frames.depth_edges import depth_tolerance
+from reflest_core.fusion.frames.foreground import FramePixels
+from reflest_core.fusion.settings import FusionSettings
+from reflest_core.fusion.work_sharing import share_out
+from reflest_core.jit import compiled, kernel_array
+
+LEAST_SHARE = 4096
+"""Fewer voxels than this are not worth waking another thread."""
+
+
+def visible_voxels(
+    positions: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    frame: Frame,
+    pixels: FramePixels,
+    settings: FusionSettings,
+    threads: int = 1,
+) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
+    """Return the indices (S,) of the seen among (V, 3) voxels, and their colours (S, 3).
+
+    A colour is that of the nearest pixel, 8-bit sRGB.
+    """
+    parts = share_out(
+        threads,
+        len(positions),
+        LEAST_SHARE,
+        _visible,
+        positions,
+        normals,
+        kernel_array(frame.rgb, np.uint8),
+        pixels.depth,
+        pixels.surface,
+        kernel_array(np.linalg.inv(frame.T_world_camera), np.float64),
+        kernel_array(frame.camera_centre, np.float64),
+        frame.intrinsics.matrix,
+        settings.voxel_size,
+        math.cos(math.radians(settings.max_grazing_angle)),
+    )
+    seen, colours = zip(*parts, strict=True)
+    return np.concatenate(seen), np.concatenate(colours)
+
+
+@compiled
+def _visible(
+    start: int,
+    stop: int,
+    positions: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    rgb: NDArray[np.uint8],
+    depth: NDArray[np.float32],
+    surface: NDArray[np.bool_],
+    T: NDArray[np.float64],
+    camera: NDArray[np.float64],
+    K: NDArray[np.float64],
+    voxel_size: float,
+    least_cosine: float,
+) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
+    height, width = depth.shape
+    seen = np.empty(stop - start, np.int64)
+    colours = np.empty((stop - start, 3), np.uint8)
+    count = 0
+    for n in range(start, stop):
+        x, y, z = float(positions[n, 0]), float(positions[n, 1]), float(positions[n, 2])
+        zc = T[2, 0] * x + T[2, 1] * y + T[2, 2] * z + T[2, 3]
+        if zc <= 0.0:
+            continue
+        u = K[0, 0] * (T[0, 0] * x + T[0, 1] * y + T[0, 2] * z + T[0, 3]) / zc + K[0, 2]
+        v = K[1, 1] * (T[1, 0] * x + T[1, 1] * y + T[1, 2] * z + T[1, 3]) / zc + K[1, 2]
+        if not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5):
+            continue
+        un, vn = int(u + 0.5), int(v + 0.5)
+        if not surface[vn, un] or abs(zc - depth[vn, un]) > depth_tolerance(zc, voxel_size):
+            continue
+        dx, dy, dz = camera[0] - x, camera[1] - y, camera[2] - z
+        along = dx * normals[n, 0] + dy * normals[n, 1] + dz * normals[n, 2]
+        if along < least_cosine * math.sqrt(dx * dx + dy * dy + dz * dz):
+            continue
+        seen[count] = n
+        colours[count] = rgb[vn, un]
+        count += 1
+    return seen[:count].copy(), colours[:count].copy()

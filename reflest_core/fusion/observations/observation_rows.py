@@ -1,0 +1,306 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The inner loops of the observation store: finding, moving and removing its rows.
+
+All take the store's arrays: ``rows`` and ``chunks``.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.fusion.observations.observation_chunks import (
+    CHUNK,
+    NONE,
+    OBSERVATIONS,
+    ObservationChunks,
+    chunk_of_slot,
+    copy_observations,
+    release_chunk,
+    take_chunk,
+)
+from reflest_core.fusion.observations.observation_replacement import (
+    closest_pair,
+    directions_to_views,
+    slot_to_replace,
+)
+from reflest_core.jit import compiled
+from reflest_core.surface.key_index import drop_key, find_row, put_row
+from reflest_core.surface.voxel_key import NO_KEY
+
+
+class ObservationRows(NamedTuple):
+    """R rows, one for each voxel.
+
+    ``index_keys``, ``index_rows``: slots of the :class:`KeyIndex`. ``keys``: (R,) int64 voxel keys.
+    ``positions``, ``normals``: (R, 3) float32. ``last_seen``: (R,) int32 frame number.
+    ``counts``: (R,) uint8 observations. ``pairs``: (R, 2) uint8, slots of the closest pair of
+    directions of a full row, equal where unknown. ``first_chunks``: (R,) int32, where the
+    observations are (:mod:`observation_chunks`).
+    """
+
+    index_keys: NDArray[np.int64]
+    index_rows: NDArray[np.int32]
+    keys: NDArray[np.int64]
+    positions: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    last_seen: NDArray[np.int32]
+    counts: NDArray[np.uint8]
+    pairs: NDArray[np.uint8]
+    first_chunks: NDArray[np.int32]
+
+
+@compiled
+def find_rows(
+    start: int, stop: int, rows: ObservationRows, keys: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """The row of each of ``keys[start:stop]``, -1 where it has none."""
+    found = np.empty(stop - start, np.int64)
+    for n in range(start, stop):
+        found[n - start] = find_row(rows.index_keys, rows.index_rows, keys[n])
+    return found
+
+
+@compiled
+def refresh_rows(
+    start: int,
+    stop: int,
+    rows: ObservationRows,
+    selected: NDArray[np.int64],
+    positions: NDArray[np.float32],
+    normals: NDArray[np.float32],
+) -> None:
+    """Give the rows ``selected[start:stop]`` (-1: none) their new position and normal."""
+    for n in range(start, stop):
+        row = selected[n]
+        if row >= 0:
+            for axis in range(3):
+                rows.positions[row, axis] = positions[n, axis]
+                rows.normals[row, axis] = normals[n, axis]
+
+
+@compiled
+def append_rows(
+    rows: ObservationRows,
+    count: int,
+    keys: NDArray[np.int64],
+    positions: NDArray[np.float32],
+    normals: NDArray[np.float32],
+) -> int:
+    """Add voxels that are not stored yet, without observations; return the new row count."""
+    for n in range(len(keys)):
+        put_row(rows.index_keys, rows.index_rows, keys[n], count)
+        rows.keys[count] = keys[n]
+        rows.positions[count] = positions[n]
+        rows.normals[count] = normals[n]
+        rows.counts[count] = 0
+        rows.pairs[count] = 0
+        rows.first_chunks[count] = NONE
+        count += 1
+    return count
+
+
+@compiled
+def remove_row(rows: ObservationRows, chunks: ObservationChunks, count: int, row: int) -> int:
+    """Remove a row and fill its place with the last one; return the new row count."""
+    chunks.state[OBSERVATIONS] -= rows.counts[row]
+    chunk = int(rows.first_chunks[row])
+    while chunk != NONE:
+        chunk = release_chunk(chunks, chunk)
+    drop_key(rows.index_keys, rows.index_rows, rows.keys[row])
+    last = count - 1
+    if row != last:
+        put_row(rows.index_keys, rows.index_rows, rows.keys[last], row)
+        rows.keys[row] = rows.keys[last]
+        rows.positions[row] = rows.positions[last]
+        rows.normals[row] = rows.normals[last]
+        rows.last_seen[row] = rows.last_seen[last]
+        rows.counts[row] = rows.counts[last]
+        rows.pairs[row] = rows.pairs[last]
+        rows.first_chunks[row] = rows.first_chunks[last]
+    return last
+
+
+@compiled
+def remove_keys(
+    rows: ObservationRows, chunks: ObservationChunks, count: int, keys: NDArray[np.int64]
+) -> int:
+    """Remove the stored ones of these voxels; return the new row count."""
+    for n in range(len(keys)):
+        row = find_row(rows.index_keys, rows.index_rows, keys[n])
+        if row >= 0:
+            count = remove_row(rows, chunks, count, row)
+    return count
+
+
+@compiled
+def move_keys(
+    rows: ObservationRows,
+    chunks: ObservationChunks,
+    count: int,
+    left: NDArray[np.int64],
+    left_to: NDArray[np.int64],
+) -> int:
+    """Hand each voxel's observations to the voxel its surface moved to; return the row count.
+
+    Of two voxels that meet, the one with more observations is kept. ``NO_KEY`` removes.
+    """
+    for n in range(len(left)):
+        row = find_row(rows.index_keys, rows.index_rows, left[n])
+        if row < 0:
+            continue
+        other = -1
+        if left_to[n] != NO_KEY:
+            other = find_row(rows.index_keys, rows.index_rows, left_to[n])
+        if left_to[n] == NO_KEY or (other >= 0 and rows.counts[other] >= rows.counts[row]):
+            count = remove_row(rows, chunks, count, row)
+            continue
+        if other >= 0:
+            count = remove_row(rows, chunks, count, other)
+            row = find_row(rows.index_keys, rows.index_rows, left[n])
+        drop_key(rows.index_keys, rows.index_rows, left[n])
+        rows.keys[row] = left_to[n]
+        put_row(rows.index_keys, rows.index_rows, left_to[n], row)
+    return count
+
+
+@compiled
+def has_seen(
+    rows: ObservationRows, chunks: ObservationChunks, row: int, is_one: NDArray[np.bool_]
+) -> bool:
+    """Whether one of the views marked in ``is_one`` (65536,) observed the row."""
+    chunk, left = rows.first_chunks[row], int(rows.counts[row])
+    while left > 0:
+        in_chunk = (left - 1) % CHUNK + 1
+        for slot in range(in_chunk):
+            if is_one[chunks.view_ids[chunk, slot]]:
+                return True
+        chunk = chunks.after[chunk]
+        left -= in_chunk
+    return False
+
+
+@compiled
+def rows_unseen_from(
+    start: int,
+    stop: int,
+    rows: ObservationRows,
+    chunks: ObservationChunks,
+    selected: NDArray[np.int64],
+    is_one: NDArray[np.bool_],
+) -> NDArray[np.bool_]:
+    """True for those of the rows ``selected[start:stop]`` that no view of ``is_one`` observed.
+
+    ``is_one``: (65536,) by view id.
+    """
+    unseen = np.empty(stop - start, np.bool_)
+    for n in range(start, stop):
+        unseen[n - start] = not has_seen(rows, chunks, selected[n], is_one)
+    return unseen
+
+
+@compiled
+def observe_rows(
+    rows: ObservationRows,
+    chunks: ObservationChunks,
+    slots: int,
+    selected: NDArray[np.int64],
+    colours: NDArray[np.uint8],
+    view: int,
+    view_centres: NDArray[np.float32],
+) -> int:
+    """Add one observation of ``view`` to each selected row; return how many were kept.
+
+    A row is full with ``slots`` observations, or with what it has if no chunk is left.
+    """
+    directions = np.empty((3, slots + 1), np.float64)
+    old_colours = np.empty((slots, 3), np.uint8)
+    views = np.empty(slots + 1, np.uint16)
+    kept = 0
+    for n in range(len(selected)):
+        row = selected[n]
+        count = int(rows.counts[row])
+        chunk, slot = int(rows.first_chunks[row]), count
+        is_full = count == slots
+        if not is_full and count % CHUNK == 0:
+            chunk = take_chunk(chunks, chunk)
+            is_full = chunk == NONE
+        if not is_full:
+            rows.first_chunks[row] = chunk
+            rows.counts[row] = count + 1
+            chunks.state[OBSERVATIONS] += 1
+            rows.pairs[row] = 0
+        elif count < 2:
+            continue
+        else:
+            first = int(rows.first_chunks[row])
+            copy_observations(chunks, first, count, old_colours, views)
+            views[count] = view
+            directions_to_views(rows.positions[row], views, count + 1, view_centres, directions)
+            if rows.pairs[row, 0] == rows.pairs[row, 1]:
+                rows.pairs[row, 0], rows.pairs[row, 1] = closest_pair(directions, count)
+            pair = (int(rows.pairs[row, 0]), int(rows.pairs[row, 1]))
+            slot = slot_to_replace(directions, count, pair)
+            if slot < 0:
+                continue
+            directions[:, slot] = directions[:, count]
+            rows.pairs[row, 0], rows.pairs[row, 1] = closest_pair(directions, count)
+            chunk = chunk_of_slot(chunks, first, count, slot)
+        for channel in range(3):
+            chunks.colours[chunk, slot % CHUNK, channel] = colours[n, channel]
+        chunks.view_ids[chunk, slot % CHUNK] = view
+        kept += 1
+    return kept
+
+
+@compiled
+def drop_views(
+    rows: ObservationRows, chunks: ObservationChunks, count: int, is_one: NDArray[np.bool_]
+) -> None:
+    """Remove every observation of the views of ``is_one`` (65536,); rows stay."""
+    for row in range(count):
+        slot = 0
+        while slot < rows.counts[row]:
+            had = int(rows.counts[row])
+            first = int(rows.first_chunks[row])
+            chunk = chunk_of_slot(chunks, first, had, slot)
+            if not is_one[chunks.view_ids[chunk, slot % CHUNK]]:
+                slot += 1
+                continue
+            last = (had - 1) % CHUNK
+            chunks.colours[chunk, slot % CHUNK] = chunks.colours[first, last]
+            chunks.view_ids[chunk, slot % CHUNK] = chunks.view_ids[first, last]
+            rows.counts[row] = had - 1
+            chunks.state[OBSERVATIONS] -= 1
+            rows.pairs[row] = 0
+            if last == 0:
+                rows.first_chunks[row] = release_chunk(chunks, first)
+
+
+@compiled
+def gather_observations(
+    start: int,
+    stop: int,
+    rows: ObservationRows,
+    chunks: ObservationChunks,
+    selected: NDArray[np.int64],
+    offsets: NDArray[np.int64],
+    colours: NDArray[np.uint8],
+    view_ids: NDArray[np.uint16],
+) -> None:
+    """Copy the observations of the rows ``selected[start:stop]`` to their ``offsets``.
+
+    ``colours``: (O, 3). ``view_ids``: (O,).
+    """
+    for n in range(start, stop):
+        row = selected[n]
+        copy_observations(
+            chunks,
+            rows.first_chunks[row],
+            int(rows.counts[row]),
+            colours[offsets[n] :],
+            view_ids[offsets[n] :],
+        )

@@ -1,0 +1,175 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""A block with one voxel of its neighbours around it, and its gradient.
+
+Flat arrays of 10 x 10 x 10: in them every neighbour is at a fixed distance, so that the loops below
+run over the whole array without branches and become vector instructions. What they compute for the
+padding itself is meaningless and not used.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.fusion.tsdf.tsdf_blocks import TsdfBlocks
+from reflest_core.jit import compiled
+from reflest_core.surface.key_index import find_row
+from reflest_core.surface.voxel_key import BLOCK_EDGE, pack_key, unpack_key
+
+EDGE = BLOCK_EDGE + 2
+SIZE = EDGE**3
+FIRST = EDGE**2 + EDGE + 1
+"""The block's own voxels lie between here and as far from the end."""
+
+
+ALL_PAIRS = np.float32(16.0)
+
+
+class PaddedBlock(NamedTuple):
+    """Float32 arrays of one block.
+
+    ``values``: (1000,) the TSDF, 0 where unobserved. ``known``: (1000,) 1 where observed, else 0.
+    ``gradient``: (3, 1000), per voxel. ``pairs``: (3, 1000) Sobel weight of the observed pairs
+    along each axis, at most 16. ``scratch``: (2, 1000).
+    """
+
+    values: NDArray[np.float32]
+    known: NDArray[np.float32]
+    gradient: NDArray[np.float32]
+    pairs: NDArray[np.float32]
+    scratch: NDArray[np.float32]
+
+
+@compiled
+def empty_padded_block() -> PaddedBlock:
+    """Room for one block."""
+    return PaddedBlock(
+        np.zeros(SIZE, np.float32),
+        np.zeros(SIZE, np.float32),
+        np.zeros((3, SIZE), np.float32),
+        np.zeros((3, SIZE), np.float32),
+        np.zeros((2, SIZE), np.float32),
+    )
+
+
+@compiled
+def gather(blocks: TsdfBlocks, key: int, out: PaddedBlock) -> bool:
+    """Fill ``values`` and ``known`` with the block ``key`` and what surrounds it.
+
+    Returns whether all of it is known.
+    """
+    i, j, k = unpack_key(key)
+    tsdf, weight = blocks.tsdf.reshape(-1), blocks.weight.reshape(-1)
+    values, known = out.values, out.known
+    for di in range(-1, 2):
+        a0, a1, ia = _range_towards(di)
+        for dj in range(-1, 2):
+            b0, b1, ib = _range_towards(dj)
+            for dk in range(-1, 2):
+                c0, _, ic = _range_towards(dk)
+                slot = find_row(
+                    blocks.index_keys, blocks.index_rows, pack_key(i + di, j + dj, k + dk)
+                )
+                is_there = np.float32(slot >= 0)
+                block = max(slot, 0) * BLOCK_EDGE**3
+                for a in range(a1 - a0):
+                    for b in range(b1 - b0):
+                        to = ((a0 + a) * EDGE + b0 + b) * EDGE + c0
+                        start = block + ((ia + a) * BLOCK_EDGE + ib + b) * BLOCK_EDGE + ic
+                        if dk == 0:
+                            for c in range(BLOCK_EDGE):
+                                into, source = np.uint64(to + c), np.uint64(start + c)
+                                known[into] = np.float32(weight[source] > 0) * is_there
+                                values[into] = tsdf[source] * known[into]
+                        else:
+                            known[to] = np.float32(weight[start] > 0) * is_there
+                            values[to] = tsdf[start] * known[to]
+    unknown = np.float32(0.0)
+    for n in range(SIZE):
+        unknown += np.float32(1.0) - known[n]
+    return bool(unknown == np.float32(0.0))
+
+
+@compiled
+def _range_towards(direction: int) -> tuple[int, int, int]:
+    """The padded indices that the neighbour in ``direction`` fills, and its own first."""
+    if direction < 0:
+        return 0, 1, BLOCK_EDGE - 1
+    if direction > 0:
+        return BLOCK_EDGE + 1, BLOCK_EDGE + 2, 0
+    return 1, BLOCK_EDGE + 1, 0
+
+
+@compiled
+def find_gradient(block: PaddedBlock, is_whole: bool) -> None:
+    """Sobel operator over the 3 x 3 x 3 neighbourhood, using the pairs of which both are known.
+
+    ``is_whole``: all are known, so that the pairs need no counting.
+    """
+    _along(block, is_whole, 0, EDGE * EDGE, EDGE, 1)
+    _along(block, is_whole, 1, EDGE, EDGE * EDGE, 1)
+    _along(block, is_whole, 2, 1, EDGE * EDGE, EDGE)
+
+
+@compiled
+def _along(
+    block: PaddedBlock, is_whole: bool, axis: int, step: int, second: int, third: int
+) -> None:
+    """Differences along ``step``, smoothed along the two other steps."""
+    gradient, pairs = block.gradient[axis], block.pairs[axis]
+    difference, pair = block.scratch[0], block.scratch[1]
+    _differ(
+        block.values[: SIZE - 2 * step],
+        block.values[2 * step :],
+        block.known[: SIZE - 2 * step],
+        block.known[2 * step :],
+        difference[step:],
+        pair[step:],
+    )
+    _smooth(difference, second, third, gradient)
+    if is_whole:
+        pairs[:] = ALL_PAIRS
+    else:
+        _smooth(pair, second, third, pairs)
+    half, least = np.float32(0.5), np.float32(1.0)
+    for n in range(SIZE):
+        gradient[n] *= half / max(pairs[n], least)
+
+
+@compiled
+def _differ(
+    before: NDArray[np.float32],
+    after: NDArray[np.float32],
+    known_before: NDArray[np.float32],
+    known_after: NDArray[np.float32],
+    difference: NDArray[np.float32],
+    pair: NDArray[np.float32],
+) -> None:
+    for n in range(len(before)):
+        both = known_before[n] * known_after[n]
+        pair[n] = both
+        difference[n] = (after[n] - before[n]) * both
+
+
+@compiled
+def _smooth(source: NDArray[np.float32], second: int, third: int, out: NDArray[np.float32]) -> None:
+    """(1, 2, 1) along both steps, of which ``second`` is the larger one; spoils ``source``."""
+    first, last = FIRST - third, SIZE - FIRST + third
+    _weigh(source[first - second :], source[first:], source[first + second :], out[first:last])
+    source[first:last] = out[first:last]
+    first, last = FIRST, SIZE - FIRST
+    _weigh(source[first - third :], source[first:], source[first + third :], out[first:last])
+
+
+@compiled
+def _weigh(
+    before: NDArray[np.float32],
+    at: NDArray[np.float32],
+    after: NDArray[np.float32],
+    out: NDArray[np.float32],
+) -> None:
+    for n in range(len(out)):
+        out[n] = before[n] + np.float32(2.0) * at[n] + after[n]

@@ -1,0 +1,69 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Gloss from what changes with the view: whatever the diffuse light, seen lobes tell ``rho_s``.
+
+Within a voxel, ``radiance = diffuse + rho_s * lobe(alpha)``, with one unknown diffuse radiance for
+each voxel and channel, and what the lobes see of clipped and unseen light (:mod:`.gloss_kernel`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.inference.gloss_kernel import fit_roughness
+from reflest_core.inference.material_fit import likelihood
+from reflest_core.inference.transport.ward_lobe import ROUGHNESSES
+
+EVIDENCE = 0.15
+"""Power of the misfit's inverse that makes a roughness likely, for each observation that counted.
+It would be 3 (channels) for Gaussian errors of unknown size, but neighbours err alike."""
+SURE = 0.5
+"""The same if hardly any errs as its neighbours do."""
+
+
+@dataclass(frozen=True)
+class GlossFit:
+    """K roughnesses, float32.
+
+    ``gloss``: (K,), ``rho_s``. ``deviation``: (K,), its standard deviation. ``misfit``: (K,), root
+    mean square error in units of what is expected, outliers weighing little. ``count``: (K,), of
+    observations that counted.
+    """
+
+    gloss: NDArray[np.float32]
+    deviation: NDArray[np.float32]
+    misfit: NDArray[np.float32]
+    count: NDArray[np.float32]
+
+    @property
+    def weight(self) -> NDArray[np.float32]:
+        """(K,), how likely each roughness is by its misfit; they sum to 1."""
+        return self.weight_by(EVIDENCE)
+
+    def weight_by(self, evidence: float) -> NDArray[np.float32]:
+        """The same, were this share of the observations to err each for itself."""
+        return likelihood(self.misfit, evidence * float(self.count.max()))
+
+    @property
+    def roughness(self) -> int:
+        """Index of the roughness that is nearest to the mean of all, by their weights."""
+        mean = self.weight @ np.array(ROUGHNESSES)
+        return int(np.abs(np.array(ROUGHNESSES) - mean).argmin())
+
+
+def fit_gloss(
+    colours: NDArray[np.float32],
+    clipped: NDArray[np.bool_],
+    lobes: NDArray[np.float32],
+    voxel_of: NDArray[np.int64],
+) -> GlossFit:
+    """``colours``, ``clipped``: (O, 3), linear. ``lobes``: (O, K, 5). ``voxel_of``: (O,) rising."""
+    voxels = int(voxel_of[-1]) + 1 if len(voxel_of) else 0
+    fits = [
+        fit_roughness(colours, clipped, lobes, roughness, voxel_of, voxels)
+        for roughness in range(lobes.shape[1])
+    ]
+    return GlossFit(*np.array(fits, np.float32).T)

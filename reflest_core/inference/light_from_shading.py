@@ -1,0 +1,89 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Unseen and clipped light inferred from the surface that it falls on.
+
+A convex surface of one material shades as its light falls: ``D(n) = rho_d E(n) / pi``. With the
+light in patches, that is linear in ``rho_d`` and in ``rho_d`` times what each patch adds; all are
+at least 0. Priors keep what the shading does not tell at plausible values.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.inference.light_prior import (
+    ALBEDO,
+    BRIGHT,
+    LightPrior,
+    Unknowns,
+    log_albedo_deviation,
+    which_matter,
+)
+from reflest_core.inference.transport.light_patches import PatchResponse
+from reflest_core.inference.transport.patch_grid import PATCHES
+
+NOISE, DARK_NOISE = 0.07, 0.01
+"""Standard deviation of a colour about the model: share of itself, and of the brightest."""
+ROUNDS = 4
+"""The prior's widths are in units of ``rho_d``, which is known after a round; highlights and what
+the object hides lose their weight."""
+
+ChannelLight = tuple[NDArray[np.float64], float, float, float]
+"""Factors (2 P,) of the patches, albedo, deviation of its logarithm, misfit."""
+
+
+@dataclass(frozen=True)
+class InferredLight:
+    """What the surface tells; all float32.
+
+    ``unseen``: (P, 3), factor to each patch's smooth fill. ``excess``: (P, 3), radiance above white
+    where a patch was clipped. ``albedo``: (3,), the ``rho_d`` that goes with it. ``deviation``:
+    (3,), the standard deviation of ``log rho_d`` that it leaves. ``misfit``: (3,), root mean square
+    of the colours' relative errors.
+    """
+
+    unseen: NDArray[np.float32]
+    excess: NDArray[np.float32]
+    albedo: NDArray[np.float32]
+    deviation: NDArray[np.float32]
+    misfit: NDArray[np.float32]
+
+    @staticmethod
+    def of(channels: list[ChannelLight]) -> InferredLight:
+        """Three channels as one."""
+        factors, *scalars = (np.array(parts, np.float32) for parts in zip(*channels, strict=True))
+        return InferredLight(factors[:, :PATCHES].T, factors[:, PATCHES:].T, *scalars)
+
+
+def infer_light(
+    response: PatchResponse, colours: NDArray[np.float32], prior: LightPrior = BRIGHT
+) -> InferredLight:
+    """Explain diffuse ``colours`` (V, 3), linear; those at 1 say nothing."""
+    return InferredLight.of(
+        [
+            _infer_channel(response, colours[:, channel], channel, prior.of_channel(channel))
+            for channel in range(3)
+        ]
+    )
+
+
+def _infer_channel(
+    response: PatchResponse, colours: NDArray[np.float32], channel: int, prior: LightPrior
+) -> ChannelLight:
+    known = colours < 1.0
+    target = colours[known]
+    noise = NOISE * target + DARK_NOISE * max(float(target.max(initial=0.0)), 1e-3)
+    columns = response.answers[channel, known]
+    unknowns = Unknowns(which_matter(columns), prior)
+    columns = columns[:, unknowns.matters]
+    found, errors = unknowns.expected(ALBEDO[0]), np.zeros_like(target)
+    for _ in range(ROUNDS):
+        weight = 1.0 / (noise**2 * (1.0 + errors**2))
+        found, matrix = unknowns.most_likely(columns, target, weight, found)
+        errors = (columns @ found.astype(np.float32) - target) / noise
+    misfit = NOISE * float(np.sqrt(np.log1p(errors**2).mean())) if len(errors) else 0.0
+    deviation = log_albedo_deviation(found, matrix)
+    return unknowns.factors(found), max(float(found[0]), 1e-3), deviation, misfit

@@ -1,0 +1,147 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""What is thought of light and albedo before the surface is asked."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from functools import cache, cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.inference.nonnegative import nonnegative_minimum
+from reflest_core.inference.transport.patch_grid import PATCHES, patch_directions
+
+ALBEDO = (0.3, 0.25)
+"""Prior mean and standard deviation of ``rho_d``."""
+DARKEST_ALBEDO = 0.02
+"""The prior's widths are in units of ``rho_d``, but of no less than this."""
+NEGLIGIBLE = 1e-4
+"""Of the strongest response: what answers less to a patch tells nothing of it."""
+HUE = (0.8, 0.93, 1.34)
+"""What is above and unseen, over its fill, in each channel beside the mean of the three: skies are
+bluer than what stands below them. The mean of logarithms over the 24 lights of SynBRDF's training.
+"""
+LEVEL = 0.3
+"""Sine of the elevation up to which, above and below, a patch is beside the object."""
+
+Array = NDArray[np.float64]
+Expected = tuple[float, float]
+"""Mean and standard deviation."""
+
+
+@dataclass(frozen=True)
+class LightPrior:
+    """What a patch holds, by where it is.
+
+    ``above``, ``beside``, ``below``: unseen light of patches there, in multiples of its smooth
+    fill. ``excess``: radiance above white where clipped, in multiples of white.
+    """
+
+    above: Expected
+    beside: Expected
+    below: Expected
+    excess: Expected = (4.0, 16.0)
+
+    def of_channel(self, channel: int) -> LightPrior:
+        """The same of one colour channel, with the :data:`HUE` of what is above."""
+        return _of_hue(self, HUE[channel])
+
+    @cached_property
+    def mean(self) -> Array:
+        """(2 P,), of unseen light and of the excess."""
+        return self._of_patches(0)
+
+    @cached_property
+    def width(self) -> Array:
+        """(2 P,) standard deviations."""
+        return self._of_patches(1)
+
+    def _of_patches(self, which: int) -> Array:
+        heights = patch_directions()[:, 2]
+        unseen = np.select(
+            [heights > LEVEL, heights < -LEVEL],
+            [self.above[which], self.below[which]],
+            self.beside[which],
+        )
+        return np.concatenate([unseen, np.full(PATCHES, self.excess[which])])
+
+
+@cache
+def _of_hue(prior: LightPrior, hue: float) -> LightPrior:
+    mean, deviation = prior.above
+    return dataclasses.replace(prior, above=(hue * mean, hue * deviation))
+
+
+BRIGHT = LightPrior((6.0, 10.0), (2.5, 5.0), (1.2, 1.5))
+"""What an orbit does not see is above, and usually bright: a sky, a lamp, a window."""
+DIM = LightPrior((2.0, 4.0), (1.5, 2.7), (1.0, 1.3), (4.0, 21.0))
+"""As if it were not: how much the albedo then differs says what it hangs on."""
+
+
+def which_matter(columns: NDArray[np.floating]) -> NDArray[np.bool_]:
+    """(1 + 2 P,): of which unknowns a system with ``columns`` (R, 1 + 2 P) says anything."""
+    strongest = columns.max(axis=0, initial=0.0)
+    matters = strongest > NEGLIGIBLE * max(float(strongest.max()), 1e-9)
+    matters[0] = True
+    return np.asarray(matters)
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """``rho_d`` of one channel and, in units of it, what each patch of light holds.
+
+    ``matters``: see :func:`which_matter`.
+    """
+
+    matters: NDArray[np.bool_]
+    prior: LightPrior
+
+    def expected(self, albedo: float) -> Array:
+        """What the prior expects at this ``rho_d``, of the unknowns that matter."""
+        return albedo * np.concatenate([[1.0], self.prior.mean])[self.matters]
+
+    def factors(self, found: Array) -> Array:
+        """(2 P,): what each patch holds; the prior's mean where nothing is said of it."""
+        factors = self.prior.mean.copy()
+        factors[self.matters[1:]] = found[1:] / max(float(found[0]), 1e-3)
+        return factors
+
+    def most_likely(
+        self,
+        columns: NDArray[np.floating],
+        target: NDArray[np.floating],
+        weight: NDArray[np.floating],
+        start: Array,
+    ) -> tuple[Array, Array]:
+        """The unknowns under prior and data, none negative, and the whole system's matrix.
+
+        ``columns``: (R, U), answers to the unknowns that matter. ``target``, ``weight``: (R,), what
+        they should add up to, and its inverse variance. ``start``: the last answer, whose albedo
+        sets the prior's widths.
+        """
+        root = np.sqrt(weight).astype(np.float32)
+        weighted = columns * root[:, None]
+        matrix = (weighted.T @ weighted).astype(np.float64)
+        vector = (weighted.T @ (target * root)).astype(np.float64)
+        mean = self.prior.mean[self.matters[1:]]
+        width = self.prior.width[self.matters[1:]]
+        precision = 1.0 / (width * max(float(start[0]), DARKEST_ALBEDO)) ** 2
+        diagonal = np.arange(1, len(matrix))
+        matrix[diagonal, diagonal] += precision
+        matrix[0, 1:] -= precision * mean
+        matrix[1:, 0] -= precision * mean
+        matrix[0, 0] += (precision * mean**2).sum() + ALBEDO[1] ** -2
+        vector[0] += ALBEDO[0] * ALBEDO[1] ** -2
+        return nonnegative_minimum(matrix, vector, start), matrix
+
+
+def log_albedo_deviation(found: Array, matrix: Array) -> float:
+    """The standard deviation of ``log rho_d`` that the system leaves."""
+    free = found > 0.0
+    free[0] = True
+    corner = np.eye(int(free.sum()), 1)[:, 0]
+    variance = np.linalg.solve(matrix[np.ix_(free, free)], corner)[0]
+    return float(np.sqrt(variance)) / max(float(found[0]), 1e-3)

@@ -1,0 +1,63 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Diffuse light on a surface of any normal, and how much of its origin was seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.inference.transport.patch_grid import patches_of_texels
+from reflest_core.inference.transport.visibility import Sight
+from reflest_core.light.completion import LightPyramid
+from reflest_core.light.cosine_weights import SIZE, cosine_weights
+
+DARKEST = 1e-4
+"""``E(n) / pi`` that a ratio is taken to at least, in units of the sensor's white."""
+
+
+@dataclass(frozen=True)
+class Incoming:
+    """From where light comes to V voxels, weighted by cosine.
+
+    ``weights``: (V, SIZE * SIZE), the share of each texel's radiance in ``E(n) / pi``. ``hidden``:
+    (V,), the share of what the object hides; with the weights it sums to 1. ``own``: (V, 3), what
+    the object sends from there.
+    """
+
+    weights: NDArray[np.float32]
+    hidden: NDArray[np.float32]
+    own: NDArray[np.float32]
+
+
+def incoming(weights: NDArray[np.float32], sight: Sight | None = None) -> Incoming:
+    """For V voxels of :func:`.cosine_weights` and ``sight``; without one, nothing is hidden."""
+    if sight is None:
+        nothing = np.zeros(len(weights), np.float32)
+        return Incoming(weights, nothing, np.zeros((len(weights), 3), np.float32))
+    # np.take copies columns faster than an index does.
+    weights = weights * np.take(sight.visible, patches_of_texels(SIZE), axis=1)
+    hidden = np.maximum(np.float32(1.0) - weights.sum(axis=1), np.float32(0.0))
+    return Incoming(weights, hidden, hidden[:, None] * sight.own)
+
+
+def mean_radiance(
+    light: LightPyramid, normals: NDArray[np.float32], sight: Sight | None = None
+) -> NDArray[np.float32]:
+    """(V, 5) for unit ``normals`` (V, 3): cosine-weighted means over the hemisphere.
+
+    The first three are ``E(n) / pi``, the radiance that a white Lambertian surface would send back;
+    then the seen share and the clipped share of the light that falls on it.
+    """
+    return weighted_radiance(light, incoming(cosine_weights(normals), sight))
+
+
+def weighted_radiance(light: LightPyramid, arriving: Incoming) -> NDArray[np.float32]:
+    """The same where it is known from where light comes; the object itself counts as seen."""
+    level = next(level for level in light.levels if len(level) == SIZE)
+    mean = np.asarray(arriving.weights @ level.reshape(-1, 5), np.float32)
+    mean[:, :3] += arriving.own
+    mean[:, 3] += arriving.hidden
+    return mean

@@ -1,0 +1,87 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The unknown light in patches: what each would add to what a surface sends back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.inference.transport.irradiance import Incoming
+from reflest_core.inference.transport.patch_grid import PATCHES, texels_of_patches
+from reflest_core.light.completion import LightPyramid, halved_to
+from reflest_core.light.cosine_weights import SIZE
+from reflest_core.light.light_map import ObservedLight
+
+
+@dataclass(frozen=True)
+class PatchResponse:
+    """Radiance of R answers to the light, in parts that add up; P patches.
+
+    Answers are ``E(n) / pi`` of normals, or observations of a surface that only shines with
+    ``rho_s = 1``. ``answers``: (3, R, 1 + 2 P) float32, of each channel to the light as it was
+    seen, clipped pixels as white; to a smooth fill of each patch's unseen directions; and to
+    radiance 1 above white where each patch was seen clipped in all channels, and as much less in
+    the others as :func:`.excess_shape` expects.
+    """
+
+    answers: NDArray[np.float32]
+
+    @property
+    def seen(self) -> NDArray[np.float32]:
+        """(R, 3), to what was seen."""
+        return self.answers[..., 0].T
+
+    @property
+    def unseen(self) -> NDArray[np.float32]:
+        """(R, P, 3), to the fill of each patch."""
+        return self.answers[..., 1 : 1 + PATCHES].transpose(1, 2, 0)
+
+    @property
+    def excess(self) -> NDArray[np.float32]:
+        """(R, P, 3), to what is above white in each patch."""
+        return self.answers[..., 1 + PATCHES :].transpose(1, 2, 0)
+
+
+@dataclass(frozen=True)
+class LightParts:
+    """The light in T = SIZE^2 texels, as coarse as diffuse surfaces need it; (T, 3) float32.
+
+    ``seen``: as it was seen. ``fill``: what a smooth fill adds where it was not. ``excess``: see
+    :func:`.excess_shape`.
+    """
+
+    seen: NDArray[np.float32]
+    fill: NDArray[np.float32]
+    excess: NDArray[np.float32]
+
+    @staticmethod
+    def of(light: ObservedLight, filled: LightPyramid) -> LightParts:
+        """``filled``: the same light after pull and push."""
+        seen = light.radiance * light.coverage[..., None]
+        both = halved_to(np.concatenate([seen, filled.excess], axis=-1), SIZE)
+        level = next(level for level in filled.levels if len(level) == SIZE)
+        seen, excess, whole = (
+            part.reshape(-1, 3) for part in (both[..., :3], both[..., 3:], level[..., :3])
+        )
+        return LightParts(seen, np.maximum(whole - seen, 0.0), excess)
+
+
+def diffuse_response(light: LightParts, incoming: Incoming) -> PatchResponse:
+    """How a matte white surface would answer to each part of the light.
+
+    What comes from the surface itself counts as seen.
+    """
+    by_patch = incoming.weights[:, texels_of_patches(SIZE)]
+    unknown = _summed(by_patch, np.concatenate([light.fill, light.excess], axis=-1))
+    seen = incoming.weights @ light.seen + incoming.own
+    answers = [seen.T[..., None], unknown[:3], unknown[3:]]
+    return PatchResponse(np.concatenate(answers, axis=-1).astype(np.float32))
+
+
+def _summed(by_patch: NDArray[np.float32], texels: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(V, P, T) weights and (SIZE * SIZE, C) values to (C, V, P)."""
+    values = texels[texels_of_patches(SIZE)]
+    return np.asarray((by_patch.transpose(1, 0, 2) @ values).transpose(2, 1, 0), np.float32)

@@ -1,0 +1,45 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Directions in 64 patches: as finely as a surface can tell of light, or hide it."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.light.octahedral import octahedral_directions
+
+EDGE = 8
+"""Patches along an edge of the octahedral map: 25 degrees each, in the mean."""
+PATCHES = EDGE * EDGE
+
+
+@cache
+def patch_directions() -> NDArray[np.float32]:
+    """(P, 3) unit, to the patches' middles."""
+    return octahedral_directions(EDGE).reshape(-1, 3)
+
+
+@cache
+def texels_of_patches(size: int) -> NDArray[np.int64]:
+    """(P, T) indices into a flat octahedral map of edge ``size``, T texels to a patch."""
+    times = size // EDGE
+    indices = np.arange(size * size).reshape(EDGE, times, EDGE, times)
+    return indices.transpose(0, 2, 1, 3).reshape(PATCHES, times * times)
+
+
+@cache
+def patches_of_texels(size: int) -> NDArray[np.int64]:
+    """(size * size,) the patch of each texel."""
+    patches = np.empty(size * size, np.int64)
+    patches[texels_of_patches(size)] = np.arange(PATCHES)[:, None]
+    return patches
+
+
+def patch_image(values: NDArray[np.float32], size: int) -> NDArray[np.float32]:
+    """Values of patches (P, C) as an octahedral map (size, size, C)."""
+    image = values.reshape(EDGE, EDGE, -1)
+    times = size // EDGE
+    return np.repeat(np.repeat(image, times, axis=0), times, axis=1)

@@ -1,0 +1,84 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The unknown light in patches: what each would add to a reflection."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.inference.transport.light_patches import PatchResponse
+from reflest_core.inference.transport.mirrored_texels import mirrored_texels, vector
+from reflest_core.inference.transport.patch_grid import PATCHES, patches_of_texels
+from reflest_core.inference.transport.visibility import Sight
+from reflest_core.inference.transport.ward_lobe import HALF_VECTORS, LEVELS
+from reflest_core.jit import compiled, kernel_array
+from reflest_core.light.completion import LightPyramid, halved_to
+from reflest_core.surface.tangent_frame import tangent_frame
+
+
+def reflection(
+    filled: LightPyramid,
+    roughness: int,
+    normals: NDArray[np.float32],
+    directions: NDArray[np.float32],
+    sight: Sight | None = None,
+) -> PatchResponse:
+    """Lobes of ``ROUGHNESSES[roughness]`` about ``normals``, seen from ``directions``, (O, 3) unit.
+
+    ``filled``: the light after pull and push. ``sight``: of the O observations; without, the
+    object hides nothing. What comes from the object itself counts as seen.
+    """
+    sight = sight or Sight.open(len(normals))
+    level = filled.levels[LEVELS[roughness]]
+    excess = halved_to(filled.excess, len(level))
+    return PatchResponse(
+        _gather(
+            level.reshape(-1, 5),
+            excess.reshape(-1, 3),
+            patches_of_texels(len(level)),
+            HALF_VECTORS[roughness],
+            kernel_array(normals, np.float32),
+            kernel_array(directions, np.float32),
+            kernel_array(sight.visible, np.float32),
+            kernel_array(sight.own, np.float32),
+            PATCHES,
+        )
+    )
+
+
+@compiled
+def _gather(
+    light: NDArray[np.float32],
+    beyond_white: NDArray[np.float32],
+    patch_of: NDArray[np.int64],
+    half_vectors: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    directions: NDArray[np.float32],
+    visible: NDArray[np.float32],
+    own: NDArray[np.float32],
+    patches: int,
+) -> NDArray[np.float32]:
+    size, samples = int(math.sqrt(len(light))), half_vectors.shape[1]
+    answers = np.zeros((3, len(normals), 1 + 2 * patches), np.float32)
+    weights, texels = np.empty(samples, np.float64), np.empty(samples, np.int32)
+    for observation in range(len(normals)):
+        frame = tangent_frame(normals[observation])
+        n, o = vector(normals, observation), vector(directions, observation)
+        mirrored_texels(frame, n, o, half_vectors, size, weights, texels)
+        for sample in range(samples):
+            texel = texels[sample]
+            patch = patch_of[texel]
+            share = weights[sample] / samples
+            arriving = share * visible[observation, patch]
+            unknown = arriving * (1.0 - light[texel, 3])
+            for channel in range(3):
+                radiance = light[texel, channel]
+                answer = answers[channel, observation]
+                answer[0] += (arriving - unknown) * radiance
+                answer[0] += (share - arriving) * own[channel]
+                answer[1 + patch] += unknown * radiance
+                answer[1 + patches + patch] += arriving * beyond_white[texel, channel]
+    return answers

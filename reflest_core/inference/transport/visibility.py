@@ -1,0 +1,131 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""How much of each patch of light an object hides from its own surface.
+
+Voxels are taken for discs that face along their normals, and what they cover of each other's view
+is summed by patch (Bunnell 2005, "Dynamic Ambient Occlusion and Indirect Lighting"): no rays, and
+a part that was never scanned hides nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from reflest_core.inference.transport.patch_grid import EDGE, PATCHES, patches_of_texels
+from reflest_core.jit import compiled, kernel_array
+from reflest_core.light.cosine_weights import SIZE
+from reflest_core.light.octahedral import octahedral_texel
+
+NEIGHBOURS = 6
+"""Discs' areas come from the distance to so many neighbours."""
+LEAST_SHARE = 1e-3
+"""Of the hemisphere, weighted by cosine: patches that show less of it are not hidden further."""
+FLATTEST = 0.05
+"""Cosine between a normal and the direction to another voxel: below it they are one surface."""
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What R voxels, or observations of voxels, see of the light past the rest of the object.
+
+    ``visible``: (R, P) in [0, 1], the share of each patch's light that arrives. ``own``: (3,),
+    the mean linear radiance that the object sends from where it hides the light.
+    """
+
+    visible: NDArray[np.float32]
+    own: NDArray[np.float32]
+
+    @staticmethod
+    def open(count: int) -> Sight:
+        """Nothing is hidden."""
+        return Sight(np.ones((count, PATCHES), np.float32), np.zeros(3, np.float32))
+
+    def of(self, rows: NDArray[np.int64]) -> Sight:
+        """The chosen rows."""
+        return Sight(self.visible[rows], self.own)
+
+
+@dataclass(frozen=True)
+class Occluders:
+    """Discs that stand for a surface: ``positions``, ``normals`` (D, 3), ``areas`` (D,) in m^2.
+
+    ``own``: (3,), their mean linear radiance.
+    """
+
+    positions: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    areas: NDArray[np.float32]
+    own: NDArray[np.float32]
+
+    @staticmethod
+    def of(
+        positions: NDArray[np.float32], normals: NDArray[np.float32], own: NDArray[np.float32]
+    ) -> Occluders:
+        """Of voxels spread over all of the surface; of very few there is nothing to hide."""
+        if len(positions) <= NEIGHBOURS:
+            return Occluders(positions[:0], normals[:0], np.zeros(0, np.float32), own)
+        distances, _ = cKDTree(positions).query(positions, k=NEIGHBOURS + 1)
+        areas = math.pi * distances[:, -1] ** 2 / NEIGHBOURS
+        return Occluders(positions, normals, areas.astype(np.float32), own)
+
+    def sight(
+        self,
+        positions: NDArray[np.float32],
+        normals: NDArray[np.float32],
+        weights: NDArray[np.float32],
+    ) -> Sight:
+        """Of voxels at ``positions``, (V, 3), with ``normals`` and :func:`.cosine_weights`."""
+        hidden = _hidden_shares(
+            kernel_array(self.positions, np.float32),
+            kernel_array(self.normals, np.float32),
+            kernel_array(self.areas, np.float32),
+            kernel_array(positions, np.float32),
+            kernel_array(normals, np.float32),
+            EDGE,
+        )
+        whole = weights @ _patch_sums()
+        shares = np.minimum(hidden / np.maximum(whole, LEAST_SHARE), 1.0)
+        return Sight(np.asarray(1.0 - shares, np.float32), self.own)
+
+
+@cache
+def _patch_sums() -> NDArray[np.float32]:
+    """(SIZE * SIZE, P): 1 where a texel is of a patch."""
+    return np.eye(PATCHES, dtype=np.float32)[patches_of_texels(SIZE)]
+
+
+@compiled
+def _hidden_shares(
+    positions: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    areas: NDArray[np.float32],
+    of_positions: NDArray[np.float32],
+    of_normals: NDArray[np.float32],
+    edge: int,
+) -> NDArray[np.float32]:
+    """(V, edge * edge): of the whole hemisphere, weighted by cosine, what discs cover by patch."""
+    hidden = np.zeros((len(of_positions), edge * edge), np.float32)
+    for voxel in range(len(of_positions)):
+        for disc in range(len(positions)):
+            x = positions[disc, 0] - of_positions[voxel, 0]
+            y = positions[disc, 1] - of_positions[voxel, 1]
+            z = positions[disc, 2] - of_positions[voxel, 2]
+            square = x * x + y * y + z * z
+            above = x * of_normals[voxel, 0] + y * of_normals[voxel, 1] + z * of_normals[voxel, 2]
+            facing = -(x * normals[disc, 0] + y * normals[disc, 1] + z * normals[disc, 2])
+            if square == 0.0 or above <= 0.0 or facing <= 0.0:
+                continue
+            distance = math.sqrt(square)
+            if above < FLATTEST * distance:
+                continue
+            row, column = octahedral_texel(x, y, z, edge)
+            # A disc close by covers no more than half of all directions.
+            angle = areas[disc] * facing / distance / (square + areas[disc] / (2.0 * math.pi))
+            hidden[voxel, row * edge + column] += angle * above / distance / math.pi
+    return hidden

@@ -1,0 +1,90 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Completing a partial environment: unseen directions take the mean of what lies around them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.light.clipped_light import excess_shape
+from reflest_core.light.light_map import ObservedLight
+from reflest_core.light.octahedral import octahedral_solid_angles
+
+TRUSTED_SHARE = 0.3
+"""A texel of a coarser level of which this much was seen needs no help of the next."""
+
+
+@dataclass(frozen=True)
+class LightPyramid:
+    """The completed light at halving resolutions.
+
+    ``levels``: octahedral maps (N, N, 5), (N / 2, N / 2, 5) and so on, float32: linear radiance
+    (3), share that was seen, share that was seen clipped: all channels' mean of ``excess``, which
+    is (N, N, 3) at the finest resolution, see :func:`.excess_shape`.
+    """
+
+    levels: list[NDArray[np.float32]]
+    excess: NDArray[np.float32]
+
+
+def complete(light: ObservedLight) -> LightPyramid:
+    """Fill by pull and push (Gortler et al. 1996, Sec. 3.4), weighted by solid angle."""
+    pulled = [np.concatenate([light.radiance, np.ones_like(light.coverage)[..., None]], axis=-1)]
+    pulled[0] = pulled[0] * light.coverage[..., None]
+    while len(pulled[-1]) % 2 == 0:
+        pulled.append(halved(pulled[-1]))
+    coarsest = pulled[-1]
+    total = np.maximum(coarsest[..., 3:].sum(axis=(0, 1)), 1e-9)
+    filled = np.broadcast_to(coarsest[..., :3].sum(axis=(0, 1)) / total, (*coarsest.shape[:2], 3))
+    for level in reversed(pulled):
+        if len(level) > len(filled):
+            filled = _smoothed(np.repeat(np.repeat(filled, 2, axis=0), 2, axis=1))
+        trust = np.minimum(level[..., 3:] / TRUSTED_SHARE, 1.0)
+        seen = level[..., :3] / np.maximum(level[..., 3:], 1e-9)
+        filled = trust * seen + (1.0 - trust) * filled
+    excess = excess_shape(light)
+    red, green, blue = np.moveaxis(excess, -1, 0)
+    stacked = np.concatenate(
+        [filled, np.stack([light.coverage, (red + green + blue) / 3.0], axis=-1)], axis=-1
+    ).astype(np.float32)
+    return levels_below(stacked, excess)
+
+
+def levels_below(
+    finest: NDArray[np.float32], excess: NDArray[np.float32] | None = None
+) -> LightPyramid:
+    """The pyramid over a map (N, N, 5); without ``excess`` of light that is all known."""
+    levels = [finest]
+    while len(levels[-1]) % 2 == 0:
+        levels.append(halved(levels[-1]))
+    return LightPyramid(levels, np.zeros_like(finest[..., :3]) if excess is None else excess)
+
+
+def halved(level: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(N, N, C) to (N / 2, N / 2, C): means over solid angle."""
+    size = len(level)
+    angles = octahedral_solid_angles(size)[..., None]
+    weighted = _sum_of_fours(level * angles)
+    return np.asarray(weighted / _sum_of_fours(angles), np.float32)
+
+
+def halved_to(level: NDArray[np.float32], size: int) -> NDArray[np.float32]:
+    """(N, N, C) to (size, size, C); N is ``size`` times a power of two."""
+    while len(level) > size:
+        level = halved(level)
+    return level
+
+
+def _sum_of_fours(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    rows = image[0::2] + image[1::2]
+    return np.asarray(rows[:, 0::2] + rows[:, 1::2])
+
+
+def _smoothed(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    """A binomial filter of width 3 along both edges of the map."""
+    padded = np.pad(image, ((1, 1), (1, 1), (0, 0)), mode="edge")
+    rows = 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
+    return np.asarray(0.25 * rows[:, :-2] + 0.5 * rows[:, 1:-1] + 0.25 * rows[:, 2:])

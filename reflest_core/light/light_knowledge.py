@@ -1,0 +1,56 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""How much is known of the light that falls on a surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.brdf.lab import luminance
+from reflest_core.light.light_map import ObservedLight
+from reflest_core.light.octahedral import octahedral_directions, octahedral_solid_angles
+
+BLOCK = 4
+"""Texels along the edge of those that are taken together: a cosine needs no more detail."""
+
+
+@dataclass(frozen=True)
+class LightKnowledge:
+    """Shares in [0, 1], means over voxels.
+
+    ``seen``: of the directions from which light falls on a voxel, weighted by cosine, the share
+    that the background showed. ``clipped``: of the light that was seen to come from there, the
+    share that overexposed pixels showed, which is in truth stronger.
+    """
+
+    seen: float
+    clipped: float
+
+
+UNKNOWN_LIGHT = LightKnowledge(0.0, 0.0)
+
+
+def light_knowledge(light: ObservedLight | None, normals: NDArray[np.float32]) -> LightKnowledge:
+    """What is known of the ``light`` on voxels with unit ``normals`` (V, 3), world frame."""
+    if light is None:
+        return UNKNOWN_LIGHT
+    size = len(light.coverage)
+    power = luminance(light.radiance) * light.coverage
+    of_texels = np.stack(
+        [np.ones_like(power), light.coverage, power, power * light.any_clipped], axis=-1
+    )
+    of_texels *= octahedral_solid_angles(size)[..., None]
+    edge = size // BLOCK
+    of_blocks = of_texels.reshape(edge, BLOCK, edge, BLOCK, 4).sum(axis=(1, 3)).reshape(-1, 4)
+    cosines = np.maximum(normals @ _block_directions(edge).T, 0.0).mean(axis=0)
+    whole, seen, received, clipped = (cosines @ of_blocks).tolist()
+    return LightKnowledge(seen / whole, clipped / received if received > 0.0 else 0.0)
+
+
+@cache
+def _block_directions(edge: int) -> NDArray[np.float32]:
+    return octahedral_directions(edge).reshape(-1, 3)

@@ -1,0 +1,177 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""lightnet as it runs while scanning: NumPy alone."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.models.dense_layer import DenseLayer
+from reflest_core.models.lightnet.shading import Shading
+from reflest_core.models.lightnet.shapes import FOUND_STRENGTHS
+from reflest_core.models.lightnet.surface_shading import surface_shading
+from reflest_core.models.quantisation import Tensors
+from reflest_core.models.scores import Scores
+from reflest_core.models.threads import one_blas_thread
+from reflest_core.surface.observed_surface import ObservedSurface
+
+Array = NDArray[np.float32]
+
+FLOOR = 0.03
+"""Added before a logarithm: ratios below it say the same, dark."""
+FURTHEST = 4.0
+"""Standard deviations from the mean at which a statistic is held."""
+
+
+class LiveLightNet:
+    """The network of ``models/lightnet/network.py`` with its ``tensors``."""
+
+    def __init__(self, tensors: Tensors) -> None:
+        self._observation = _two_layers(tensors, "observation")
+        self._voxel = _two_layers(tensors, "voxel")
+        self._attention = DenseLayer.of(tensors, "attention")
+        self._channel = _two_layers(tensors, "channel")
+        self._gloss = _two_layers(tensors, "gloss")
+        self._of_channel = _Standard.of(tensors, "of_channel")
+        self._of_all = _Standard.of(tensors, "of_all")
+        self._diffuse = _two_layers(tensors, "diffuse")
+        self._diffuse_head = DenseLayer.of(tensors, "diffuse_head")
+        self._strength_head = DenseLayer.of(tensors, "strength_head")
+        self._roughness_head = DenseLayer.of(tensors, "roughness_head")
+        self._found_scale = tensors["found_scale"]
+
+    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Scores:
+        """What the shading of ``voxels`` tells, under the light that the surface was seen in."""
+        return Scores(*self.evaluate(surface_shading(surface, voxels)))
+
+    def evaluate(self, look: Shading) -> tuple[Array, Array]:
+        """Means and log variances, (5,) each, of the z-scored parameters."""
+        with one_blas_thread():
+            mean_light = look.diffuse_light.mean(axis=0)
+            voxels = self._described_voxels(look, mean_light)
+            weights = self._attention.linear(voxels)
+            weights = np.exp(weights - weights.max(axis=0))
+            weights /= weights.sum(axis=0)
+            width = voxels.shape[-1] // weights.shape[-1]
+            weighed = (np.repeat(weights, width, axis=-1) * voxels).sum(axis=0)
+            spread = np.sqrt(voxels.var(axis=0) + np.float32(1e-6))
+            zone_light = _log(look.zones[:, :3] / mean_light).T
+            of_channel = self._of_channel.scores(
+                np.concatenate(
+                    [look.channel_statistics, look.scene_fit.reshape(3, -1), zone_light], axis=-1
+                )
+            )
+            of_all = self._of_all.scores(
+                np.concatenate([look.statistics, look.zones[:, 3], look.zones[:, 4]])
+            )
+            shared = np.concatenate([of_channel.mean(axis=0), of_all])
+            shared = np.broadcast_to(shared, (3, len(shared)))
+            channels = _run(
+                self._channel,
+                np.concatenate([weighed, spread, of_channel, shared], axis=-1),
+            )
+            gloss = _run(self._gloss, np.concatenate([channels.mean(axis=0), channels.max(axis=0)]))
+            beside = np.broadcast_to(gloss, channels.shape)
+            diffuse = self._diffuse_head.linear(
+                _run(self._diffuse, np.concatenate([channels, beside], axis=-1))
+            )
+            strength = self._strength_head.linear(gloss)
+            roughness = self._roughness_head.linear(gloss)
+        found = (
+            look.found_albedo,
+            look.found_gloss[:FOUND_STRENGTHS],
+            look.found_gloss[FOUND_STRENGTHS:],
+        )
+        answers = [
+            _answer(np.atleast_2d(said), np.atleast_2d(of * scale))
+            for said, of, scale in zip(
+                (diffuse, strength, roughness),
+                found,
+                self._found_scale,
+                strict=True,
+            )
+        ]
+        means, log_variances = (np.concatenate(parts) for parts in zip(*answers, strict=True))
+        return means, log_variances
+
+    def _described_voxels(self, look: Shading, mean_light: Array) -> Array:
+        """(V, 3, width): every voxel by channel, from the observations that were made of it."""
+        voxel_of, slot = np.nonzero(look.is_seen)
+        rows = len(voxel_of)
+        shares = np.concatenate([look.lobe_seen, look.lobe_clipped], axis=-1)[voxel_of, slot]
+        observations = np.concatenate(
+            [
+                _log(look.apparent[voxel_of, slot])[..., None],
+                look.clipped[voxel_of, slot][..., None],
+                np.broadcast_to(look.cosine[voxel_of, slot][:, None, None], (rows, 3, 1)),
+                _log(look.lobe[voxel_of, slot]).transpose(0, 2, 1),
+                np.broadcast_to(shares[:, None], (rows, 3, shares.shape[-1])),
+            ],
+            axis=-1,
+        )
+        described = _run(self._observation, observations)
+        count = look.is_seen.sum(axis=1)
+        starts = np.cumsum(count) - count
+        norm = count[:, None, None].astype(np.float32)
+        mean = np.add.reduceat(described, starts, axis=0) / norm
+        squares = np.add.reduceat((described - mean[voxel_of]) ** 2, starts, axis=0) / norm
+        greatest = np.maximum.reduceat(described, starts, axis=0)
+        voxels = len(count)
+        known = np.stack([look.diffuse_seen, look.diffuse_clipped], axis=-1)
+        beside = np.concatenate(
+            [count[:, None] / np.float32(look.is_seen.shape[1]), look.normals, known], axis=-1
+        ).astype(np.float32)
+        return _run(
+            self._voxel,
+            np.concatenate(
+                [
+                    mean,
+                    np.sqrt(squares + np.float32(1e-6)),
+                    greatest,
+                    _log(look.diffuse_light / mean_light)[..., None],
+                    np.broadcast_to(beside[:, None], (voxels, 3, beside.shape[-1])),
+                    look.voxel_fit.reshape(voxels, 3, -1),
+                ],
+                axis=-1,
+            ),
+        )
+
+
+class _Standard(NamedTuple):
+    """Inputs in standard units; see :mod:`reflest_core.models.lightnet.standard`."""
+
+    mean: Array
+    deviation: Array
+
+    @staticmethod
+    def of(tensors: Tensors, name: str) -> _Standard:
+        deviation = np.sqrt(tensors[f"{name}.variance"] + np.float32(1e-4))
+        return _Standard(tensors[f"{name}.mean"], deviation)
+
+    def scores(self, values: Array) -> Array:
+        return np.asarray(np.clip((values - self.mean) / self.deviation, -FURTHEST, FURTHEST))
+
+
+def _answer(said: Array, found: Array) -> tuple[Array, Array]:
+    """Mean and log variance, (N,) each; see ``models/lightnet/network.py``."""
+    belief = np.exp(said[:, 2:] - said[:, 2:].max(axis=1, keepdims=True))
+    belief /= belief.sum(axis=1, keepdims=True)
+    return said[:, 0] + (belief[:, :-1] * found).sum(axis=1), said[:, 1]
+
+
+def _two_layers(tensors: Tensors, name: str) -> tuple[DenseLayer, DenseLayer]:
+    return DenseLayer.of(tensors, f"{name}.0"), DenseLayer.of(tensors, f"{name}.2")
+
+
+def _run(layers: tuple[DenseLayer, DenseLayer], values: Array) -> Array:
+    for layer in layers:
+        values = layer.linear(values)
+        values /= np.float32(1.0) + np.exp(-values)  # SiLU
+    return values
+
+
+def _log(ratio: Array) -> Array:
+    return np.asarray(np.log(ratio + FLOOR), np.float32)

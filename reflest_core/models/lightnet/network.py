@@ -1,0 +1,179 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""lightnet: what the known light leaves open, read from many small ratios (our own network).
+
+Every number that goes in compares an observation with what the light seen in the background would
+do (:mod:`reflest_core.models.lightnet.shading`), or says what the physics found by itself and how
+sure it is (:mod:`reflest_core.models.lightnet.scene_statistics`). The three colour channels pass
+through the same weights and meet only in means and maxima, so that none is special.
+"""
+
+from __future__ import annotations
+
+import torch
+from torch import nn
+
+from reflest_core.models.lightnet.live import FLOOR
+from reflest_core.models.lightnet.shapes import (
+    FOUND_STRENGTHS,
+    HEADS,
+    ONE_LAYER,
+    ROUGHNESS_COUNT,
+    STANDARDS,
+    TWO_LAYERS,
+    VOXEL,
+)
+from reflest_core.models.lightnet.standard import Standard
+from reflest_core.models.model_choice import MODELS
+
+VOXELS = MODELS["lightnet"].voxels
+"""Voxels that an estimate rests on."""
+DROPPED = 0.3
+"""Share of a scene's numbers that is left out at a time while training."""
+FOUND_SCALE = (5.0, 3.5, 15.0)
+"""To begin with, what turns ``rho_d``, ``rho_s`` and ``alpha`` into standard units."""
+
+
+class LightNet(nn.Module):
+    """Shading (arrays of :class:`Shading`, batched) to means and log variances, (B, 5) each.
+
+    Z-scored ``rho_d`` (3), ``rho_s``, ``alpha``.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.observation = _two_layers("observation")
+        self.voxel = _two_layers("voxel")
+        self.attention = nn.Linear(*ONE_LAYER["attention"])
+        self.of_channel = Standard(STANDARDS["of_channel"])
+        self.of_all = Standard(STANDARDS["of_all"])
+        self.channel = _two_layers("channel")
+        self.gloss = _two_layers("gloss")
+        self.diffuse = _two_layers("diffuse")
+        self.diffuse_head = nn.Linear(*ONE_LAYER["diffuse_head"])
+        self.strength_head = nn.Linear(*ONE_LAYER["strength_head"])
+        self.roughness_head = nn.Linear(*ONE_LAYER["roughness_head"])
+        self.found_scale = nn.Parameter(torch.tensor(FOUND_SCALE))
+        self.dropout = nn.Dropout(DROPPED)
+
+    def forward(
+        self,
+        is_seen: torch.Tensor,
+        apparent: torch.Tensor,
+        clipped: torch.Tensor,
+        cosine: torch.Tensor,
+        lobe: torch.Tensor,
+        lobe_seen: torch.Tensor,
+        lobe_clipped: torch.Tensor,
+        normals: torch.Tensor,
+        diffuse_light: torch.Tensor,
+        diffuse_seen: torch.Tensor,
+        diffuse_clipped: torch.Tensor,
+        voxel_fit: torch.Tensor,
+        scene_fit: torch.Tensor,
+        zones: torch.Tensor,
+        channel_statistics: torch.Tensor,
+        statistics: torch.Tensor,
+        found_albedo: torch.Tensor,
+        found_gloss: torch.Tensor,
+    ) -> tuple[torch.Tensor, torch.Tensor]:
+        """Shapes as in :class:`Shading` with a leading B; voxels never seen are padding."""
+        per_channel = (*apparent.shape[:3], 3)
+        observations = torch.cat(
+            [
+                _log(apparent)[..., None],
+                clipped[..., None],
+                cosine[..., None, None].expand(*per_channel, 1),
+                _log(lobe).transpose(3, 4),
+                lobe_seen[..., None, :].expand(*per_channel, ROUGHNESS_COUNT),
+                lobe_clipped[..., None, :].expand(*per_channel, ROUGHNESS_COUNT),
+            ],
+            dim=-1,
+        )
+        seen = is_seen[..., None, None].float()
+        count = seen.sum(dim=2)
+        described = pooled(self.observation(observations), seen, count)
+
+        is_voxel = is_seen.any(dim=2)[..., None, None].float()
+        mean_light = (diffuse_light * is_voxel[..., 0]).sum(1) / is_voxel[..., 0].sum(1).clamp(
+            min=1
+        )
+        of_voxel = (*per_channel[:2], 3)
+        voxels = self.voxel(
+            torch.cat(
+                [
+                    described,
+                    _log(diffuse_light / mean_light[:, None])[..., None],
+                    (count / is_seen.shape[2]).expand(*of_voxel, 1),
+                    normals[:, :, None].expand(*of_voxel, 3),
+                    diffuse_seen[..., None, None].expand(*of_voxel, 1),
+                    diffuse_clipped[..., None, None].expand(*of_voxel, 1),
+                    voxel_fit.flatten(3),
+                ],
+                dim=-1,
+            )
+        )
+        weights = torch.softmax(self.attention(voxels) + (is_voxel - 1.0) * 1e4, dim=1)
+        weighed = (weights.repeat_interleave(VOXEL // HEADS, dim=-1) * voxels).sum(dim=1)
+        spread = _deviation(voxels, is_voxel, is_voxel.sum(dim=1))
+
+        zone_light = _log(zones[..., :3] / mean_light[:, None]).transpose(1, 2)
+        of_channel = self.of_channel(
+            torch.cat([channel_statistics, scene_fit.flatten(2), zone_light], dim=-1)
+        )
+        of_all = self.of_all(torch.cat([statistics, zones[..., 3], zones[..., 4]], dim=-1))
+        beside = torch.cat([of_channel.mean(dim=1), of_all], dim=-1)
+        channels = self.channel(
+            self.dropout(
+                torch.cat([weighed, spread, of_channel, beside[:, None].expand(-1, 3, -1)], dim=-1)
+            )
+        )
+        gloss = self.gloss(
+            self.dropout(torch.cat([channels.mean(dim=1), channels.amax(dim=1)], dim=-1))
+        )
+        diffuse = self.diffuse_head(
+            self.diffuse(
+                self.dropout(torch.cat([channels, gloss[:, None].expand(channels.shape)], dim=-1))
+            )
+        )
+        scale = self.found_scale
+        strength, roughness = found_gloss[:, :FOUND_STRENGTHS], found_gloss[:, FOUND_STRENGTHS:]
+        answers = [
+            _answer(diffuse, found_albedo * scale[0]),
+            _answer(self.strength_head(gloss)[:, None], strength[:, None] * scale[1]),
+            _answer(self.roughness_head(gloss)[:, None], roughness[:, None] * scale[2]),
+        ]
+        means, log_variances = (torch.cat(parts, dim=1) for parts in zip(*answers, strict=True))
+        return means, log_variances
+
+
+def _answer(said: torch.Tensor, found: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+    """Mean and log variance, (B, N) each, of what a head ``said`` (B, N, 3 + A) of N parameters.
+
+    ``found``: (B, N, A), what the physics says. It is believed in part, and added to.
+    """
+    belief = torch.softmax(said[..., 2:], dim=-1)[..., :-1]
+    return said[..., 0] + (belief * found).sum(dim=-1), said[..., 1]
+
+
+def pooled(x: torch.Tensor, seen: torch.Tensor, count: torch.Tensor) -> torch.Tensor:
+    """Mean, standard deviation and maximum over the observations (dim 2) that were seen."""
+    mean = (x * seen).sum(dim=2) / count.clamp(min=1)
+    squares = ((x - mean[:, :, None]) ** 2 * seen).sum(dim=2) / count.clamp(min=1)
+    greatest = torch.where(count > 0, (x + (seen - 1.0) * 1e4).amax(dim=2), 0.0)
+    return torch.cat([mean, torch.sqrt(squares + 1e-6), greatest], dim=-1)
+
+
+def _deviation(x: torch.Tensor, weight: torch.Tensor, total: torch.Tensor) -> torch.Tensor:
+    mean = (x * weight).sum(dim=1) / total.clamp(min=1)
+    squares = ((x - mean[:, None]) ** 2 * weight).sum(dim=1) / total.clamp(min=1)
+    return torch.sqrt(squares + 1e-6)
+
+
+def _log(ratio: torch.Tensor) -> torch.Tensor:
+    return torch.log(ratio + FLOOR)
+
+
+def _two_layers(name: str) -> nn.Sequential:
+    inputs, width, outputs = TWO_LAYERS[name]
+    return nn.Sequential(nn.Linear(inputs, width), nn.SiLU(), nn.Linear(width, outputs), nn.SiLU())

@@ -1,0 +1,64 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""How much of the directions from which voxels can be seen has been seen."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.surface.tangent_frame import tangent_frame
+
+RINGS = 4
+SECTORS = 8
+
+
+def hemisphere_coverage(surface: ObservedSurface, voxels: NDArray[np.int64]) -> float:
+    """Mean share in [0, 1] of the 32 equal-area cells of each voxel's hemisphere that hold a view.
+
+    Cells: 4 rings of equal height in ``omega_o . n`` by 8 sectors of azimuth. 0 for no voxels.
+    """
+    if len(voxels) == 0:
+        return 0.0
+    seen = _seen_cells(
+        surface.positions,
+        surface.normals,
+        surface.offsets,
+        surface.view_indices,
+        surface.view_centres,
+        voxels,
+    )
+    return float(seen) / (len(voxels) * RINGS * SECTORS)
+
+
+@numba.njit(cache=True, nogil=True)
+def _seen_cells(
+    positions: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    offsets: NDArray[np.int64],
+    view_indices: NDArray[np.uint16],
+    view_centres: NDArray[np.float32],
+    voxels: NDArray[np.int64],
+) -> int:
+    total = 0
+    for voxel in voxels:
+        seen = np.zeros((RINGS, SECTORS), np.bool_)
+        normal = normals[voxel]
+        tx, ty, tz, bx, by, bz = tangent_frame(normal)
+        for index in range(offsets[voxel], offsets[voxel + 1]):
+            centre = view_centres[view_indices[index]]
+            dx = centre[0] - positions[voxel, 0]
+            dy = centre[1] - positions[voxel, 1]
+            dz = centre[2] - positions[voxel, 2]
+            length = np.sqrt(dx * dx + dy * dy + dz * dz)
+            cosine = (dx * normal[0] + dy * normal[1] + dz * normal[2]) / length
+            if cosine <= 0:
+                continue
+            turn = np.arctan2(dx * bx + dy * by + dz * bz, dx * tx + dy * ty + dz * tz)
+            ring = min(int(cosine * RINGS), RINGS - 1)
+            sector = min(int((turn / (2 * np.pi) + 0.5) * SECTORS), SECTORS - 1)
+            seen[ring, sector] = True
+        total += seen.sum()
+    return total

@@ -1,0 +1,81 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""A frozen copy of what has been seen: the one type that features are built from.
+
+Live scans and SynBRDF scenes both arrive here, so that training and estimation share every line
+of feature code.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.jit import compiled
+from reflest_core.light.light_map import ObservedLight
+
+
+@dataclass(frozen=True)
+class ObservedSurface:
+    """V surface voxels, O observations grouped by voxel (CSR), W views.
+
+    ``positions``, ``normals``: (V, 3) float32, world frame, metres / unit length.
+    ``offsets``: (V + 1,) int64; voxel k owns observations ``offsets[k]:offsets[k + 1]``.
+    ``colours``: (O, 3) uint8, 8-bit sRGB. ``view_indices``: (O,) uint16 into the view arrays.
+    ``view_centres``: (W, 3) float32, camera centres in the world frame, metres.
+    ``view_foreground``, ``view_background``: (W, 3) float32, mean 8-bit colour F and B in
+    [0, 255]; NaN where a view has no such pixels. ``light``: what the background showed of the
+    environment; None where it was not gathered.
+    """
+
+    positions: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    offsets: NDArray[np.int64]
+    colours: NDArray[np.uint8]
+    view_indices: NDArray[np.uint16]
+    view_centres: NDArray[np.float32]
+    view_foreground: NDArray[np.float32]
+    view_background: NDArray[np.float32]
+    light: ObservedLight | None = None
+
+    @property
+    def voxel_count(self) -> int:
+        """V."""
+        return len(self.positions)
+
+    @property
+    def observation_counts(self) -> NDArray[np.int64]:
+        """(V,) observations of each voxel."""
+        return np.diff(self.offsets)
+
+    @property
+    def observing_views(self) -> int:
+        """Views that hold at least one of the observations."""
+        return int(self.is_observing.sum())
+
+    @property
+    def is_observing(self) -> NDArray[np.bool_]:
+        """(W,) True for views that hold at least one of the observations."""
+        return _occurring(self.view_indices, len(self.view_centres))
+
+    def view_directions(self) -> NDArray[np.float32]:
+        """(O, 3) float32: ``omega_o`` of every observation, unit, from voxel to camera centre."""
+        voxel_of = np.repeat(np.arange(self.voxel_count), self.observation_counts)
+        towards = self.view_centres[self.view_indices] - self.positions[voxel_of]
+        unit: NDArray[np.float32] = towards / np.linalg.norm(towards, axis=1, keepdims=True)
+        return unit
+
+
+@compiled
+def _occurring(indices: NDArray[np.uint16], limit: int) -> NDArray[np.bool_]:
+    """(limit,) which values below ``limit`` there are."""
+    is_there = np.zeros(limit, np.bool_)
+    for index in indices:
+        is_there[index] = True
+    return is_there
+
+
+SURFACE_ARRAYS = tuple(f.name for f in fields(ObservedSurface) if f.name != "light")
+"""Names of the arrays, which files store one by one."""

@@ -1,0 +1,51 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""A folder of a data set: its manifest says what it holds, and a resumed run must agree."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from reflest_core.synbrdf.scenes.scene_file import MANIFEST, SceneFileError, write_atomically
+
+
+def begin_manifest(folder: Path, manifest: dict[str, Any]) -> None:
+    """Make ``folder`` and its manifest, or see that what is there was begun alike.
+
+    Raises :class:`SceneFileError` where it cannot be made, is damaged, or differs.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise SceneFileError(f"{folder} cannot be made: {error.strerror}") from error
+    path = folder / MANIFEST
+    if not path.exists():
+        write_json(path, manifest)
+        return
+    try:
+        found = json.loads(path.read_text())
+    except ValueError as error:
+        raise SceneFileError(
+            f"{path} is damaged ({error}); delete it and generate again"
+        ) from error
+    differing = sorted(key for key in manifest if found.get(key) != manifest[key])
+    if differing:
+        raise SceneFileError(
+            f"{folder} was begun with another {', '.join(differing)}; use the same or another --out"
+        )
+
+
+def read_manifest(folder: Path) -> dict[str, Any]:
+    """What the data set in ``folder`` is; :class:`SceneFileError` where there is none."""
+    path = folder / MANIFEST
+    if not path.is_file():
+        raise SceneFileError(f"{folder} has no {MANIFEST}; make it with 'reflest synbrdf generate'")
+    manifest: dict[str, Any] = json.loads(path.read_text())
+    return manifest
+
+
+def write_json(path: Path, content: dict[str, Any]) -> None:
+    """Write whole or not at all, keys sorted."""
+    write_atomically(path, (json.dumps(content, indent=1, sort_keys=True) + "\n").encode())

@@ -1,0 +1,67 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Validation while training: features are built once, in the live path's own code."""
+
+from __future__ import annotations
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.models.registry import NETWORKS, FeatureDraw, Inputs
+from reflest_core.surface.voxel_choice import choose_voxels
+from reflest_core.training.data.sample import Sample
+from reflest_core.training.metrics import normalised_rmse
+from reflest_core.training.recipe import Recipe
+
+GROUPED = 16
+"""Scenes with inputs of one shape that pass the network at once."""
+
+
+class Validation:
+    """The validation scenes as a network's inputs, on the training device."""
+
+    def __init__(
+        self,
+        samples: list[Sample],
+        recipe: Recipe,
+        statistics: ParameterStatistics,
+        device: torch.device,
+    ) -> None:
+        self.statistics = statistics
+        self.inputs = [_features(sample, recipe, device) for sample in samples]
+        self.truths = np.stack([sample.parameters(recipe.parameters) for sample in samples])
+        self.groups = _groups(self.inputs)
+
+    def rmse(self, module: torch.nn.Module) -> float:
+        """Normalised RMSE of the network, in the parameters that it is trained on."""
+        return normalised_rmse(self.predict(module), self.truths, self.statistics).overall
+
+    def predict(self, module: torch.nn.Module) -> NDArray[np.float64]:
+        """(S, 5) parameters."""
+        scores = np.empty(self.truths.shape)
+        with torch.inference_mode():
+            for group in self.groups:
+                columns = zip(*(self.inputs[index] for index in group), strict=True)
+                batch = [torch.stack(column) for column in columns]
+                scores[group] = module(*batch).double().cpu().numpy()
+        return self.statistics.restore(scores)
+
+
+def _features(sample: Sample, recipe: Recipe, device: torch.device) -> Inputs:
+    voxels = choose_voxels(sample.surface, recipe.validation_voxels)
+    features = NETWORKS[recipe.network].features(sample.surface, voxels, FeatureDraw(seed=0))
+    return tuple(tensor.to(device) for tensor in features)
+
+
+def _groups(inputs: list[Inputs]) -> list[list[int]]:
+    """Scenes by the shape of their inputs, at most :data:`GROUPED` together."""
+    by_shape: dict[tuple[int, ...], list[int]] = {}
+    for index, tensors in enumerate(inputs):
+        by_shape.setdefault(tuple(tensors[0].shape), []).append(index)
+    return [
+        alike[first : first + GROUPED]
+        for alike in by_shape.values()
+        for first in range(0, len(alike), GROUPED)
+    ]

@@ -1,0 +1,46 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The core's estimate as ``reflest_ros/msg/BrdfEstimate``, and back."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
+from reflest_ros.inputs.core_messages import stamp_to_ns
+from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
+from reflest_ros.outputs.stamp import ns_to_stamp
+
+HEADER_FIELDS = ("stamp_ns", "frame_id")
+
+
+def estimate_to_message(estimate: BrdfEstimate) -> BrdfEstimateMessage:
+    """Every field under its own name; stamp and frame_id in the header."""
+    message = BrdfEstimateMessage()
+    message.header.stamp = ns_to_stamp(estimate.stamp_ns)
+    message.header.frame_id = estimate.frame_id
+    for field in dataclasses.fields(estimate):
+        if field.name not in HEADER_FIELDS:
+            setattr(message, field.name, _message_value(getattr(estimate, field.name)))
+    return message
+
+
+def estimate_from_message(message: BrdfEstimateMessage) -> BrdfEstimate:
+    """What :func:`estimate_to_message` was given."""
+    values: dict[str, Any] = {
+        "stamp_ns": stamp_to_ns(message.header.stamp),
+        "frame_id": message.header.frame_id,
+    }
+    for field in dataclasses.fields(BrdfEstimate):
+        if field.name not in HEADER_FIELDS:
+            value = getattr(message, field.name)
+            values[field.name] = tuple(value.tolist()) if hasattr(value, "tolist") else value
+    values["status"] = EstimateStatus(values["status"])
+    return BrdfEstimate(**values)
+
+
+def _message_value(value: Any) -> Any:
+    if isinstance(value, EstimateStatus):
+        return int(value)
+    return list(value) if isinstance(value, tuple) else value

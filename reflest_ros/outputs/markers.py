@@ -1,0 +1,177 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""``reflectance/markers``: the values as text at the object, the keyframes' cameras around it."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+from geometry_msgs.msg import Point
+from numpy.typing import NDArray
+from rclpy.node import Node
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
+
+from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_core.estimation.scanner import KeyframeSnapshot
+from reflest_core.fusion.settings import RegionSettings
+from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_ros.outputs.estimate_text import estimate_text
+from reflest_ros.outputs.stamp import ns_to_stamp
+from reflest_ros.outputs.view_publisher import ViewPublisher
+from reflest_ros.outputs.view_settings import MOST_KEYFRAMES, MarkerSettings, read_settings
+
+Pose = NDArray[np.float64]
+
+TRUSTED, DOUBTED = (0.75, 0.95, 0.75), (1.0, 0.75, 0.3)
+OLDEST, NEWEST = np.array([0.25, 0.3, 0.55]), np.array([1.0, 0.6, 0.1])
+
+GLASS, GLASS_ALPHA = (0.5, 0.7, 1.0), 0.12
+
+HALF_WIDTH, HALF_HEIGHT = 0.6, 0.45
+"""Of a pyramid over its length; the camera's own angles are not shown."""
+
+EDGES = ((0, 1), (0, 2), (0, 3), (0, 4), (1, 2), (2, 3), (3, 4), (4, 1))
+"""Of a pyramid: pairs out of its tip (0) and the corners of its base."""
+
+
+class Markers:
+    """Publishes the markers; see :class:`reflest_ros.outputs.estimate_view.EstimateView`."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._publisher = ViewPublisher(node, MarkerArray, "reflectance/markers")
+        self._poses: deque[Pose] = deque(maxlen=MOST_KEYFRAMES)
+
+    def show(self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None) -> None:
+        """Remember the pose; show text and cameras."""
+        if keyframe.T_world_camera is not None:
+            self._poses.append(keyframe.T_world_camera)
+        # A copy, for the message may be made in another thread while keyframes come.
+        poses = list(self._poses)
+        self._publisher.show(lambda: self._message(keyframe, estimate, poses))
+
+    def clear(self) -> None:
+        """Remove all markers."""
+        self._poses.clear()
+        self._publisher.replace(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
+
+    def destroy(self) -> None:
+        """Give the publisher back."""
+        self._publisher.destroy()
+
+    def _message(
+        self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None, poses: list[Pose]
+    ) -> MarkerArray:
+        settings = read_settings(self._node, "markers", MarkerSettings)
+        region = read_settings(self._node, "region", RegionSettings)
+        up = np.array(self._node.get_parameter("estimation.up").value)
+        return marker_message(keyframe, estimate, poses, settings, region, up)
+
+
+def marker_message(
+    keyframe: KeyframeSnapshot,
+    estimate: BrdfEstimate | None,
+    poses: list[Pose],
+    settings: MarkerSettings,
+    region: RegionSettings,
+    up: NDArray[np.float64],
+) -> MarkerArray:
+    """Text above the surface (namespace ``values``), pyramids for ``poses`` (``keyframes``).
+
+    The region of interest is a glass body (``region``). ``poses``: ``T_world_camera`` (4, 4),
+    oldest first. ``up``: (3,), in the world frame.
+    """
+    shown = poses[max(len(poses) - settings.max_keyframes, 0) :]
+    markers = [
+        _values(keyframe.surface, estimate, up),
+        _cameras(shown, settings.frustum),
+        _region(region),
+    ]
+    for marker in markers:
+        marker.header.stamp = ns_to_stamp(keyframe.stamp_ns)
+        marker.header.frame_id = keyframe.world_frame_id
+    return MarkerArray(markers=markers)
+
+
+def _values(
+    surface: ObservedSurface, estimate: BrdfEstimate | None, up: NDArray[np.float64]
+) -> Marker:
+    marker = Marker(ns="values", id=0, type=Marker.TEXT_VIEW_FACING)
+    if surface.voxel_count == 0:
+        marker.action = Marker.DELETE
+        return marker
+    lowest, highest = surface.positions.min(axis=0), surface.positions.max(axis=0)
+    size = float(np.linalg.norm(highest - lowest))
+    marker.scale.z = float(np.clip(0.06 * size, 0.005, 0.5))
+    # The lines, which are centred on this point, stand clear of the object's top.
+    upwards = up / np.linalg.norm(up)
+    height = float(np.abs(upwards) @ (highest - lowest)) / 2
+    at = (lowest + highest) / 2 + upwards * (height + 4 * marker.scale.z)
+    marker.pose.position = _point(at)
+    marker.pose.orientation.w = 1.0
+    is_trusted = estimate is not None and not estimate.status
+    marker.color = _colour(TRUSTED if is_trusted else DOUBTED)
+    marker.text = estimate_text(estimate)
+    return marker
+
+
+def _cameras(poses: list[Pose], length: float) -> Marker:
+    marker = Marker(ns="keyframes", id=0, type=Marker.LINE_LIST)
+    if not poses:
+        marker.action = Marker.DELETE
+        return marker
+    marker.scale.x = 0.03 * length
+    marker.pose.orientation.w = 1.0
+    marker.color = _colour((1.0, 1.0, 1.0))
+    for age, pose in zip(np.linspace(0, 1, len(poses)), poses, strict=True):
+        colour = _colour(NEWEST if len(poses) == 1 else OLDEST + age * (NEWEST - OLDEST))
+        corners = [_point(corner) for corner in camera_pyramid(pose, length)]
+        for edge in EDGES:
+            marker.points += [corners[edge[0]], corners[edge[1]]]
+            marker.colors += [colour, colour]
+    return marker
+
+
+def _region(region: RegionSettings) -> Marker:
+    marker = Marker(ns="region", id=0)
+    if region.shape == "none":
+        marker.action = Marker.DELETE
+        return marker
+    is_box = region.shape == "box"
+    marker.type = Marker.CUBE if is_box else Marker.SPHERE
+    marker.pose.position = _point(np.array(region.centre))
+    marker.pose.orientation.w = 1.0
+    # A sphere's diameter is the first value.
+    edges = region.size if is_box else (region.size[0],) * 3
+    marker.scale.x, marker.scale.y, marker.scale.z = edges
+    marker.color = _colour(GLASS)
+    marker.color.a = GLASS_ALPHA
+    return marker
+
+
+def camera_pyramid(T_world_camera: Pose, length: float) -> NDArray[np.float64]:
+    """Tip and base (5, 3), world frame; the base lies ``length`` metres along the optical axis."""
+    across, down = HALF_WIDTH * length, HALF_HEIGHT * length
+    in_camera = np.array(
+        [
+            [0.0, 0.0, 0.0],
+            [-across, -down, length],
+            [across, -down, length],
+            [across, down, length],
+            [-across, down, length],
+        ]
+    )
+    in_world: NDArray[np.float64] = in_camera @ T_world_camera[:3, :3].T + T_world_camera[:3, 3]
+    return in_world
+
+
+def _point(position: NDArray[np.floating]) -> Point:
+    x, y, z = position.tolist()
+    return Point(x=x, y=y, z=z)
+
+
+def _colour(rgb: tuple[float, float, float] | NDArray[np.float64]) -> ColorRGBA:
+    red, green, blue = map(float, rgb)
+    return ColorRGBA(r=red, g=green, b=blue, a=1.0)

@@ -1,0 +1,135 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""``reflectance/voxels``: the observed surface as a coloured point cloud."""
+
+from __future__ import annotations
+
+import array
+import sys
+
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.node import Node
+from sensor_msgs.msg import PointCloud2, PointField
+
+from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_core.estimation.scanner import KeyframeSnapshot
+from reflest_core.rendering.voxel_colours import (
+    UNKNOWN,
+    VoxelColouring,
+    estimate_colours,
+    observed_colours,
+    view_count_colours,
+)
+from reflest_ros.outputs.stamp import ns_to_stamp
+from reflest_ros.outputs.view_publisher import ViewPublisher
+from reflest_ros.outputs.view_settings import VoxelSettings, read_settings
+
+POINT = np.dtype(
+    [
+        ("x", np.float32),
+        ("y", np.float32),
+        ("z", np.float32),
+        ("rgb", np.uint32),
+        ("normal_x", np.float32),
+        ("normal_y", np.float32),
+        ("normal_z", np.float32),
+        ("views", np.float32),
+    ]
+)
+"""``rgb`` is 0x00RRGGBB in the bits of a FLOAT32, as PCL, RViz and Foxglove read it."""
+
+FIELDS = [
+    PointField(name=name, offset=4 * place, datatype=PointField.FLOAT32, count=1)
+    for place, name in enumerate(POINT.names or ())
+]
+
+
+class VoxelCloud:
+    """Publishes the cloud; see :class:`reflest_ros.outputs.estimate_view.EstimateView`."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._publisher = ViewPublisher(node, PointCloud2, "reflectance/voxels")
+        self._frame_id = ""
+
+    def show(self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None) -> None:
+        """Show the surface at a keyframe."""
+        self._frame_id = keyframe.world_frame_id
+        self._publisher.show(lambda: self._message(keyframe, estimate))
+
+    def clear(self) -> None:
+        """Replace the last cloud, which stays readable, by one without points."""
+        self._publisher.replace(point_cloud(np.zeros(0, POINT), self._frame_id, 0))
+
+    def destroy(self) -> None:
+        """Give the publisher back."""
+        self._publisher.destroy()
+
+    def _message(self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None) -> PointCloud2:
+        settings = read_settings(self._node, "voxels", VoxelSettings)
+        most_views = self._node.get_parameter("fusion.observations_per_voxel").value
+        return cloud_message(keyframe, estimate, settings, most_views)
+
+
+def cloud_message(
+    keyframe: KeyframeSnapshot,
+    estimate: BrdfEstimate | None,
+    settings: VoxelSettings,
+    most_views: int,
+) -> PointCloud2:
+    """At most ``settings.max_points`` voxels, evenly from the whole, in the world frame, metres.
+
+    ``views`` is the number of observations of a voxel, at most ``most_views``.
+    """
+    surface = keyframe.surface
+    counts = surface.observation_counts
+    points = np.zeros(surface.voxel_count, POINT)
+    for axis, name in enumerate("xyz"):
+        points[name] = surface.positions[:, axis]
+        points[f"normal_{name}"] = surface.normals[:, axis]
+    points["views"] = counts
+    points["rgb"] = _packed(_colours(keyframe, estimate, settings, most_views))
+    if len(points) > settings.max_points:
+        points = points[np.linspace(0, len(points) - 1, settings.max_points).astype(np.int64)]
+    return point_cloud(points, keyframe.world_frame_id, keyframe.stamp_ns)
+
+
+def point_cloud(points: NDArray[np.void], frame_id: str, stamp_ns: int) -> PointCloud2:
+    """The message of (N,) :data:`POINT` records."""
+    message = PointCloud2(
+        height=1,
+        width=len(points),
+        fields=FIELDS,
+        is_bigendian=sys.byteorder == "big",
+        point_step=POINT.itemsize,
+        row_step=POINT.itemsize * len(points),
+        is_dense=True,
+    )
+    message.header.stamp = ns_to_stamp(stamp_ns)
+    message.header.frame_id = frame_id
+    message.data = array.array("B", points.tobytes())
+    return message
+
+
+def _colours(
+    keyframe: KeyframeSnapshot,
+    estimate: BrdfEstimate | None,
+    settings: VoxelSettings,
+    most_views: int,
+) -> NDArray[np.uint8]:
+    surface = keyframe.surface
+    colouring = VoxelColouring(settings.colour)
+    if colouring is VoxelColouring.OBSERVED:
+        return observed_colours(surface)
+    if colouring is VoxelColouring.VIEWS:
+        return view_count_colours(surface.observation_counts, most_views)
+    if estimate is None or keyframe.T_world_camera is None:
+        return np.full((surface.voxel_count, 3), UNKNOWN, np.uint8)
+    return estimate_colours(surface, estimate.ward, keyframe.T_world_camera[:3, 3])
+
+
+def _packed(colours: NDArray[np.uint8]) -> NDArray[np.uint32]:
+    red, green, blue = colours.astype(np.uint32).T
+    packed: NDArray[np.uint32] = red << 16 | green << 8 | blue
+    return packed
