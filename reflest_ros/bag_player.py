@@ -22,9 +22,9 @@ from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.utilities import remove_ros_args
 
-from reflest_core.capture.errors import CaptureError
 from reflest_core.capture.formats.bag import READERS_BY_SUFFIX
 from reflest_core.capture.formats.bag_file import BagFile, BagTopic, RawMessage
+from reflest_core.capture.refusal import CaptureError
 from reflest_core.errors import ReflestError
 from reflest_ros.process import ignore_signals, ros_process
 

@@ -10,16 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.camera_info import CalibratedCamera
-from reflest_core.capture.checked_camera import CheckedCamera
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.images.decode import decode_colour, decode_depth, decode_mask
-from reflest_core.capture.images.rectify import Rectifier
-from reflest_core.capture.messages import Role, SensorMessage
+from reflest_core.capture.images.rectify import CheckedCamera, Rectifier
+from reflest_core.capture.messages import Match, Role, SensorMessage
 from reflest_core.capture.refusal import FrameRefused, RefusalCause, RefusalLog
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.capture.sync.camera_pose import CameraPoses
 from reflest_core.capture.sync.depth_alignment import DepthAlignment
-from reflest_core.capture.sync.match import Match
 from reflest_core.capture.sync.matching import Matcher
 from reflest_core.capture.sync.transform_buffer import TransformBuffer
 

@@ -103,3 +103,16 @@ class TransformsMessage:
 
 AnyImage: TypeAlias = ImageMessage | CompressedImageMessage
 SensorMessage: TypeAlias = AnyImage | CameraInfoMessage | PoseMessage | TransformsMessage
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """The messages of one moment; the two poses bracket the colour image's stamp."""
+
+    rgb: AnyImage
+    depth: AnyImage
+    camera_info: CameraInfoMessage
+    depth_info: CameraInfoMessage | None
+    pose_before: PoseMessage
+    pose_after: PoseMessage
+    mask: AnyImage | None

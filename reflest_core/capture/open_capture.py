@@ -9,12 +9,12 @@ from pathlib import Path
 
 from reflest_core.capture.assembler import RefusalListener
 from reflest_core.capture.capture import Capture, MessageSource
-from reflest_core.capture.errors import CaptureError
 from reflest_core.capture.formats.bag import READERS_BY_SUFFIX, Bag
 from reflest_core.capture.formats.folder_intrinsics import Pinhole
 from reflest_core.capture.formats.seven_scenes import COLOUR_NAME, SevenScenesFolder
 from reflest_core.capture.formats.topics import TopicChoice
 from reflest_core.capture.formats.tum import LISTS, TumFolder
+from reflest_core.capture.refusal import CaptureError
 from reflest_core.capture.settings import CaptureSettings
 
 KINDS = (

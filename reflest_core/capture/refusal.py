@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Why a frame was not used: every refusal has a cause that is counted and a sentence that helps."""
+"""Why a frame or a whole capture was not used: a cause that is counted, a sentence that helps."""
 
 from __future__ import annotations
 
@@ -8,6 +8,10 @@ import enum
 from collections import Counter
 
 from reflest_core.errors import ReflestError
+
+
+class CaptureError(ReflestError):
+    """A capture cannot be opened, or gives no frame at all."""
 
 
 class RefusalCause(enum.Enum):

@@ -10,9 +10,8 @@ import sys
 from tqdm import tqdm
 
 from reflest_core.capture.capture import Capture
-from reflest_core.capture.errors import CaptureError
 from reflest_core.capture.open_capture import open_capture
-from reflest_core.capture.refusal import FrameRefused
+from reflest_core.capture.refusal import CaptureError, FrameRefused
 from reflest_core.cli.json_file import check_writable, write_json
 from reflest_core.cli.replay_options import replay_settings, topic_choice
 from reflest_core.cli.replay_report import (

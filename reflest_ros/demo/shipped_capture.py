@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.parameters import WardParameters, WardVariant
-from reflest_core.capture.errors import CaptureError
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.open_capture import open_capture
+from reflest_core.capture.refusal import CaptureError
 
 CAPTURES = Path(__file__).resolve().parents[2] / "captures"
 TRUTH = "truth.json"

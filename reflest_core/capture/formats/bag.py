@@ -11,15 +11,14 @@ from pathlib import Path
 import yaml
 import zstandard
 
-from reflest_core.capture.errors import CaptureError
 from reflest_core.capture.formats.bag_file import BagFile, BagTopic, RawMessage
-from reflest_core.capture.formats.candidate_topic import CandidateTopic
 from reflest_core.capture.formats.cdr import READERS, read_message
 from reflest_core.capture.formats.mcap_file import McapFile
+from reflest_core.capture.formats.recorded_topics import CandidateTopic
 from reflest_core.capture.formats.sqlite_file import SqliteFile
 from reflest_core.capture.formats.topics import TopicChoice, choose_topics
 from reflest_core.capture.messages import Role, SensorMessage
-from reflest_core.capture.refusal import FrameRefused, RefusalCause
+from reflest_core.capture.refusal import CaptureError, FrameRefused, RefusalCause
 
 READERS_BY_SUFFIX: dict[str, Callable[[Path], BagFile]] = {".mcap": McapFile, ".db3": SqliteFile}
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from reflest_core.capture.errors import CaptureError
 from reflest_core.capture.images.compressed_header import read_header
 from reflest_core.capture.messages import CameraInfoMessage
+from reflest_core.capture.refusal import CaptureError
 
 FILE_NAME = "camera-intrinsics.txt"
 Pinhole = tuple[float, float, float, float]

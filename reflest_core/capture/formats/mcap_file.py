@@ -22,7 +22,6 @@ from mcap.reader import SeekingReader
 from mcap.records import Channel, Schema
 from mcap.summary import Summary
 
-from reflest_core.capture.errors import CaptureError
 from reflest_core.capture.formats.bag_file import BagTopic, RawMessage, damage_sentence
 from reflest_core.capture.formats.mcap_records import (
     McapDamage,
@@ -31,6 +30,7 @@ from reflest_core.capture.formats.mcap_records import (
     read_chunk,
     read_records,
 )
+from reflest_core.capture.refusal import CaptureError
 
 MAGIC = b"\x89MCAP0\r\n"
 MESSAGE_HEADER = struct.Struct("<HIQQ")  # channel id, sequence, log time, publish time

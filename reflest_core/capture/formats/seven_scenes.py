@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 
-from reflest_core.capture.errors import CaptureError
 from reflest_core.capture.formats.folder_intrinsics import Pinhole, folder_camera_info
 from reflest_core.capture.messages import (
     CompressedImageMessage,
@@ -23,7 +22,7 @@ from reflest_core.capture.messages import (
     SensorMessage,
 )
 from reflest_core.capture.pose import quaternion_of
-from reflest_core.capture.refusal import FrameRefused
+from reflest_core.capture.refusal import CaptureError, FrameRefused
 
 COLOUR_NAME = re.compile(r"frame-(\d+)\.color\.(png|jpe?g)$")
 FRAME_RATE = 30

@@ -10,8 +10,8 @@ from collections.abc import Collection, Iterator
 from contextlib import closing
 from pathlib import Path
 
-from reflest_core.capture.errors import CaptureError
 from reflest_core.capture.formats.bag_file import BagTopic, RawMessage, damage_sentence
+from reflest_core.capture.refusal import CaptureError
 
 
 class SqliteFile:

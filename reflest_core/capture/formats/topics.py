@@ -6,8 +6,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from reflest_core.capture.errors import CaptureError
-from reflest_core.capture.formats.candidate_topic import CandidateTopic, without_copies
 from reflest_core.capture.formats.cdr import (
     CAMERA_INFO,
     COMPRESSED_IMAGE,
@@ -15,13 +13,16 @@ from reflest_core.capture.formats.cdr import (
     ODOMETRY,
     POSE_STAMPED,
 )
-from reflest_core.capture.formats.optional_topics import (
+from reflest_core.capture.formats.recorded_topics import (
+    CandidateTopic,
     depth_info_topic,
     info_beside,
     transform_topics,
+    without_copies,
 )
 from reflest_core.capture.images.decode import COLOUR_ENCODINGS, DEPTH_ENCODINGS, MASK_ENCODINGS
 from reflest_core.capture.messages import Role
+from reflest_core.capture.refusal import CaptureError
 
 OPTION = {role: f"--{role.value.replace('_', '-')}-topic" for role in Role}
 TYPES = {

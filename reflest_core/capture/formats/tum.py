@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 
-from reflest_core.capture.errors import CaptureError
 from reflest_core.capture.formats.folder_intrinsics import Pinhole, folder_camera_info
 from reflest_core.capture.messages import (
     CompressedImageMessage,
@@ -20,7 +19,7 @@ from reflest_core.capture.messages import (
     Role,
     SensorMessage,
 )
-from reflest_core.capture.refusal import FrameRefused, RefusalCause
+from reflest_core.capture.refusal import CaptureError, FrameRefused, RefusalCause
 
 LISTS = {Role.RGB: "rgb.txt", Role.DEPTH: "depth.txt", Role.POSE: "groundtruth.txt"}
 Line = tuple[int, list[str]]

@@ -7,11 +7,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.capture.messages import Role
+from reflest_core.capture.messages import Match, Role
 from reflest_core.capture.pose import matrix_of_parameter, pose_at
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.capture.settings import CaptureSettings
-from reflest_core.capture.sync.match import Match
 from reflest_core.capture.sync.transform_buffer import TransformBuffer
 
 

@@ -8,13 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.camera_info import CalibratedCamera
-from reflest_core.capture.checked_camera import CheckedCamera
 from reflest_core.capture.images.depth_registration import register_depth
-from reflest_core.capture.messages import AnyImage, CameraInfoMessage, Role
+from reflest_core.capture.images.rectify import CheckedCamera
+from reflest_core.capture.messages import AnyImage, CameraInfoMessage, Match, Role
 from reflest_core.capture.pose import matrix_of_parameter
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.capture.settings import CaptureSettings
-from reflest_core.capture.sync.match import Match
 from reflest_core.capture.sync.transform_buffer import TransformBuffer
 
 

@@ -9,10 +9,9 @@ from typing import cast
 
 from reflest_core.capture.messages import CameraInfoMessage, Role, SensorMessage, TransformsMessage
 from reflest_core.capture.refusal import FrameRefused
-from reflest_core.capture.sync.calibrations import Calibrations
 from reflest_core.capture.sync.match_refusals import MatchRefusals
+from reflest_core.capture.sync.queues import Calibrations, StampedQueue
 from reflest_core.capture.sync.stamp_clock import StampClock, StampVerdict
-from reflest_core.capture.sync.stamped_queue import StampedQueue
 from reflest_core.capture.sync.transform_buffer import TransformBuffer
 
 INFO_ROLES = (Role.CAMERA_INFO, Role.DEPTH_INFO)

@@ -16,6 +16,7 @@ from typing import cast
 from reflest_core.capture.messages import (
     AnyImage,
     CameraInfoMessage,
+    Match,
     PoseMessage,
     Role,
     SensorMessage,
@@ -24,10 +25,9 @@ from reflest_core.capture.refusal import FrameRefused
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.capture.sync.depth_alignment import DepthAlignment
 from reflest_core.capture.sync.inbox import Inbox
-from reflest_core.capture.sync.match import Match
 from reflest_core.capture.sync.match_refusals import MatchRefusals
 from reflest_core.capture.sync.pose_source import PoseSource, TopicPoses, TransformPoses
-from reflest_core.capture.sync.stamped_queue import StampedQueue
+from reflest_core.capture.sync.queues import StampedQueue
 from reflest_core.capture.sync.transform_buffer import TransformBuffer
 
 

@@ -8,7 +8,7 @@ from typing import Protocol
 
 from reflest_core.capture.messages import AnyImage, PoseMessage
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
-from reflest_core.capture.sync.stamped_queue import StampedQueue
+from reflest_core.capture.sync.queues import StampedQueue
 from reflest_core.capture.sync.transform_buffer import TransformBuffer
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from reflest_core.capture.messages import PoseMessage
 from reflest_core.capture.pose import pose_at
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
-from reflest_core.capture.sync.stamped_queue import StampedQueue
+from reflest_core.capture.sync.queues import StampedQueue
 
 HISTORY_NS = 10 * 10**9  # as long as tf2 keeps it
 MOST_SAMPLES = 10_000

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reflest_core.capture.errors import CaptureError
 from reflest_core.capture.messages import PoseMessage, Role, TransformsMessage
 from reflest_core.capture.open_capture import open_capture
+from reflest_core.capture.refusal import CaptureError
 from reflest_core.capture.settings import CaptureSettings
 from test.core.capture.recording import TOPICS, Recorded, recording, write_bag
 from test.core.capture.test_assembler import assemble, counts

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reflest_core.capture.errors import CaptureError
 from reflest_core.capture.formats.topics import TopicChoice
 from reflest_core.capture.open_capture import open_capture
+from reflest_core.capture.refusal import CaptureError
 from test.core.capture.recording import (
     FOCAL,
     HEIGHT,

@@ -4,8 +4,6 @@
 
 import pytest
 
-from reflest_core.capture.errors import CaptureError
-from reflest_core.capture.formats.candidate_topic import CandidateTopic
 from reflest_core.capture.formats.cdr import (
     CAMERA_INFO,
     COMPRESSED_IMAGE,
@@ -14,8 +12,10 @@ from reflest_core.capture.formats.cdr import (
     POSE_STAMPED,
     TRANSFORMS,
 )
+from reflest_core.capture.formats.recorded_topics import CandidateTopic
 from reflest_core.capture.formats.topics import TopicChoice, choose_topics
 from reflest_core.capture.messages import Role
+from reflest_core.capture.refusal import CaptureError
 
 RGB = CandidateTopic("/cam/color/image_raw", IMAGE, "rgb8")
 DEPTH = CandidateTopic("/cam/aligned/image_raw", IMAGE, "16UC1")

@@ -1,14 +1,45 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Recorded topics that help where they exist: the depth camera's calibration, and transforms."""
+"""Recorded topics: which are copies of others, and which help where they exist."""
 
 from __future__ import annotations
 
-from reflest_core.capture.formats.candidate_topic import CandidateTopic
+from dataclasses import dataclass
+
 from reflest_core.capture.formats.cdr import CAMERA_INFO, TRANSFORMS
 from reflest_core.capture.messages import Role
 
-NAMES = {Role.TF: "/tf", Role.TF_STATIC: "/tf_static"}
+TRANSPORTS = ("/compressedDepth", "/compressed")
+"""What image_transport appends to a topic's name for its compressed forms; the better first."""
+TRANSFORM_NAMES = {Role.TF: "/tf", Role.TF_STATIC: "/tf_static"}
+
+
+@dataclass(frozen=True)
+class CandidateTopic:
+    """A recorded topic; ``encoding`` is that of its first image, "" for other types."""
+
+    name: str
+    message_type: str
+    encoding: str = ""
+
+    def __str__(self) -> str:
+        """Name, type and encoding, for sentences."""
+        kind = self.message_type.split("/")[-1]
+        return f"{self.name} ({kind}{', ' + self.encoding if self.encoding else ''})"
+
+
+def without_copies(topics: list[CandidateTopic]) -> list[CandidateTopic]:
+    """Leave out the compressed copies of images that are there raw, or compressed better."""
+    names = {topic.name for topic in topics}
+
+    def is_copy(name: str) -> bool:
+        for rank, transport in enumerate(TRANSPORTS):
+            base = name.removesuffix(transport)
+            if base != name:
+                return any(base + better in names for better in ("", *TRANSPORTS[:rank]))
+        return False
+
+    return [topic for topic in topics if not is_copy(topic.name)]
 
 
 def depth_info_topic(candidates: list[CandidateTopic], topics: dict[Role, str]) -> str | None:
@@ -32,7 +63,7 @@ def transform_topics(candidates: list[CandidateTopic]) -> dict[Role, str]:
     """``/tf`` and ``/tf_static`` where they are; in a namespace, where there is one of each."""
     recorded = [topic.name for topic in candidates if topic.message_type == TRANSFORMS]
     chosen = {}
-    for role, name in NAMES.items():
+    for role, name in TRANSFORM_NAMES.items():
         fitting = [topic for topic in recorded if topic.endswith(name)]
         if name in fitting or len(fitting) == 1:
             chosen[role] = name if name in fitting else fitting[0]
