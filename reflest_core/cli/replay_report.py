@@ -12,7 +12,7 @@ from typing import Any
 
 from reflest_core.capture.capture import Capture
 from reflest_core.capture.frame import Frame
-from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate
+from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
 from reflest_core.estimation.settings import ReflestSettings
 
 
@@ -36,7 +36,9 @@ class ReplayResult:
 def estimate_line(estimate: BrdfEstimate) -> str:
     """Return stamp, Ward values and what they rest on, in one line."""
     red, green, blue = estimate.rho_d
-    status = f", {estimate.status.name} ({estimate.status_text})" if estimate.status else ""
+    status = ""
+    if estimate.status is not EstimateStatus.OK:
+        status = f", {estimate.status.name} ({estimate.status_text})"
     return (
         f"{estimate.stamp_ns / 1e9:.3f} s  rho_d {red:.3f} {green:.3f} {blue:.3f}  "
         f"rho_s {estimate.rho_s:.3f}  alpha {estimate.alpha:.3f}  "

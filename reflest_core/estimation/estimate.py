@@ -11,35 +11,83 @@ from typing import Any
 
 from reflest_core.brdf.parameters import WardParameters, WardVariant
 
-SCHEMA_VERSION = 2
-"""Since 2 the status speaks of light and gloss too, and ``status_text`` of every doubt."""
-READABLE_VERSIONS = (1, 2)
-"""What was written of old can still be read: no other field has changed its meaning."""
+SCHEMA_VERSION = 3
+"""Since 2 the status covers light and gloss, and ``status_text`` lists every warning. Since 3 the
+status OK is 8 and 0 is UNKNOWN, so that a message that nobody filled in is not mistaken for OK."""
+READABLE_VERSIONS = (1, 2, 3)
+"""Versions that :func:`status_from_number` and :mod:`reflest_core.export.estimate_file` read."""
+OLD_OK = 0
+"""The number of OK before version 3."""
 Rgb = tuple[float, float, float]
 UNKNOWN_RGB: Rgb = (math.nan, math.nan, math.nan)
 
 
 class EstimateStatus(enum.IntEnum):
-    """How far an estimate may be trusted; the message's ``STATUS_*`` constants."""
+    """How far an estimate can be trusted; the message's ``STATUS_*`` constants.
 
-    OK = 0
+    Compare with the names: OK is not 0.
+    """
+
+    UNKNOWN = 0
     LOW_COVERAGE = 1
     FEW_VOXELS = 2
     LOW_LIGHT = 3
     CLIPPED_LIGHT = 4
     UNCERTAIN_GLOSS = 5
+    INCONSISTENT_POSES = 6
+    MIXED_MATERIALS = 7
+    OK = 8
+
+
+def status_from_number(number: int, schema_version: int) -> EstimateStatus:
+    """Return the status that a number meant in a version of the schema.
+
+    Args:
+        number: As stored in a message or a file.
+        schema_version: One of :data:`READABLE_VERSIONS`.
+
+    Returns:
+        The status.
+
+    Raises:
+        ValueError: The version has no such status.
+    """
+    if 0 < schema_version < 3 and number == OLD_OK:
+        return EstimateStatus.OK
+    return EstimateStatus(number)
 
 
 @dataclass(frozen=True)
 class BrdfEstimate:
     """One estimate of the scanned surface's BRDF. NaN means unknown throughout.
 
-    ``stamp_ns``: stamp of the keyframe's image. ``rho_d``: linear sRGB (Rec. 709, D65) in [0, 1].
-    ``rho_s`` >= 0, ``alpha`` > 0. ``lab``: CIE L*a*b*, D65/2 degrees. ``c``, ``d``: Eq. 2.
-    ``*_stddev``: one standard deviation. ``status``: the gravest doubt of ``estimation.doubts``;
-    ``status_text``: the sentences of all, joined by "; ". ``coverage``: mean share of each used
-    voxel's hemisphere of view directions that was seen, in [0, 1]. ``latency``: seconds from the
-    arrival of the keyframe's image to publication, NaN offline.
+    Attributes:
+        stamp_ns: Stamp of the keyframe's image, nanoseconds.
+        frame_id: Frame of the colour camera.
+        schema_version: :data:`SCHEMA_VERSION` of the code that made the estimate.
+        model_id: Network and first digits of the weights' hash.
+        ward_variant: A :class:`.WardVariant` by its value.
+        rho_d: Diffuse albedo in [0, 1], linear sRGB (Rec. 709 primaries, D65).
+        rho_s: Specular strength, at least 0.
+        alpha: Roughness, above 0.
+        lab: CIE L*, a*, b* of ``rho_d``, D65, 2 degree observer.
+        c: Contrast of the gloss (Eq. 2 of Kim et al. 2017).
+        d: Distinctness of the gloss, 1 - alpha (Eq. 2).
+        voxel_count: Surface voxels with observations.
+        observation_count: Observations of these voxels.
+        view_count: Views that hold these observations.
+        coverage: Mean share of each used voxel's hemisphere of view directions that was seen.
+        status: The most severe warning, or OK.
+        status_text: One sentence for each warning, joined by "; ".
+        rho_d_stddev: Standard deviation of ``rho_d``.
+        rho_s_stddev: Standard deviation of ``rho_s``.
+        alpha_stddev: Standard deviation of ``alpha``.
+        lab_stddev: Standard deviation of ``lab``.
+        c_stddev: Standard deviation of ``c``.
+        d_stddev: Standard deviation of ``d``.
+        depth_agreement: Share of a keyframe's depth that meets the next one's under the given
+            poses; median over the latest keyframes.
+        latency: Seconds from the arrival of the keyframe's image to publication; NaN offline.
     """
 
     stamp_ns: int
@@ -65,15 +113,20 @@ class BrdfEstimate:
     lab_stddev: Rgb = UNKNOWN_RGB
     c_stddev: float = math.nan
     d_stddev: float = math.nan
+    depth_agreement: float = math.nan
     latency: float = math.nan
 
     @property
     def ward(self) -> WardParameters:
-        """The Ward values; ValueError for a variant that this version does not know."""
+        """The Ward values.
+
+        Raises:
+            ValueError: This version does not know the variant.
+        """
         return WardParameters(self.rho_d, self.rho_s, self.alpha, WardVariant(self.ward_variant))
 
     def to_json(self) -> dict[str, Any]:
-        """Message field names to JSON values; NaN becomes null, the header is one object."""
+        """Return message field names with JSON values; NaN becomes null, the header an object."""
         record: dict[str, Any] = {
             "header": {"stamp_ns": self.stamp_ns, "frame_id": self.frame_id},
         }

@@ -10,7 +10,11 @@ import math
 from pathlib import Path
 from typing import Any
 
-from reflest_core.estimation.estimate import READABLE_VERSIONS, BrdfEstimate, EstimateStatus
+from reflest_core.estimation.estimate import (
+    READABLE_VERSIONS,
+    BrdfEstimate,
+    status_from_number,
+)
 from reflest_core.export.errors import ExportError
 
 
@@ -54,8 +58,10 @@ def estimate_from_record(record: dict[str, Any]) -> BrdfEstimate:
     }
     for field in dataclasses.fields(BrdfEstimate):
         if field.name not in values:
+            if field.name == "depth_agreement" and record["schema_version"] < 3:
+                continue  # that version did not have it
             values[field.name] = _value(record[field.name], str(field.type))
-    values["status"] = EstimateStatus(values["status"])
+    values["status"] = status_from_number(values["status"], values["schema_version"])
     return BrdfEstimate(**values)
 
 

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 from reflest_core.errors import ReflestError
+from reflest_core.estimation.estimate import EstimateStatus
 from reflest_ros.demo.comparison import compare, table
 from reflest_ros.demo.playback import estimate_over_dds
 from reflest_ros.demo.shipped_capture import find_capture
@@ -36,7 +37,7 @@ def _demo(options: argparse.Namespace) -> int:
     compared = compare(estimate, capture.truth)
     print(f"\nthe whole scan, {estimate.model_id}, Ward variant {estimate.ward_variant}:\n")
     print(f"{table(compared)}\n")
-    if estimate.status:
+    if estimate.status is not EstimateStatus.OK:
         print(f"{estimate.status.name}: {estimate.status_text}\n")
     sys.stdout.flush()
 

@@ -5,9 +5,15 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import Any
 
-from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
+from reflest_core.estimation.estimate import (
+    SCHEMA_VERSION,
+    BrdfEstimate,
+    EstimateStatus,
+    status_from_number,
+)
 from reflest_ros.inputs.core_messages import stamp_to_ns
 from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
 from reflest_ros.outputs.stamp import ns_to_stamp
@@ -26,6 +32,23 @@ def estimate_to_message(estimate: BrdfEstimate) -> BrdfEstimateMessage:
     return message
 
 
+def unknown_message() -> BrdfEstimateMessage:
+    """Return the message that stands for no estimate: values NaN, status unknown.
+
+    Returns:
+        A message with STATUS_UNKNOWN, so that nothing in it is mistaken for an estimate.
+    """
+    message = BrdfEstimateMessage(
+        schema_version=SCHEMA_VERSION, status=BrdfEstimateMessage.STATUS_UNKNOWN
+    )
+    for field in dataclasses.fields(BrdfEstimate):
+        if field.type == "Rgb":
+            setattr(message, field.name, [math.nan] * 3)
+        elif field.type == "float":
+            setattr(message, field.name, math.nan)
+    return message
+
+
 def estimate_from_message(message: BrdfEstimateMessage) -> BrdfEstimate:
     """What :func:`estimate_to_message` was given."""
     values: dict[str, Any] = {
@@ -36,7 +59,7 @@ def estimate_from_message(message: BrdfEstimateMessage) -> BrdfEstimate:
         if field.name not in HEADER_FIELDS:
             value = getattr(message, field.name)
             values[field.name] = tuple(value.tolist()) if hasattr(value, "tolist") else value
-    values["status"] = EstimateStatus(values["status"])
+    values["status"] = status_from_number(values["status"], values["schema_version"])
     return BrdfEstimate(**values)
 
 

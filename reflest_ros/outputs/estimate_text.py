@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 
-from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 
 
 def estimate_text(estimate: BrdfEstimate | None) -> str:
@@ -20,7 +20,7 @@ def estimate_text(estimate: BrdfEstimate | None) -> str:
         f"alpha  {estimate.alpha:.3f}{_deviation(estimate.alpha_stddev)}",
         f"{estimate.coverage:.0%} of directions, {estimate.view_count} views",
     ]
-    if estimate.status:
+    if estimate.status is not EstimateStatus.OK:
         lines += f"{estimate.status.name}: {estimate.status_text}".split("; ")
     return "\n".join(lines)
 

@@ -13,7 +13,7 @@ from rclpy.node import Node
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 from reflest_core.estimation.scanner import KeyframeSnapshot
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.surface.observed_surface import ObservedSurface
@@ -111,7 +111,7 @@ def _values(
     at = (lowest + highest) / 2 + upwards * (height + 4 * marker.scale.z)
     marker.pose.position = _point(at)
     marker.pose.orientation.w = 1.0
-    is_trusted = estimate is not None and not estimate.status
+    is_trusted = estimate is not None and estimate.status is EstimateStatus.OK
     marker.color = _colour(TRUSTED if is_trusted else DOUBTED)
     marker.text = estimate_text(estimate)
     return marker

@@ -10,7 +10,7 @@ from pathlib import Path
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.export.environment_file import LIGHT_FORMATS, export_environment
 from reflest_core.export.material_file import export_estimate
-from reflest_ros.outputs.estimate_message import estimate_to_message
+from reflest_ros.outputs.estimate_message import estimate_to_message, unknown_message
 from reflest_ros.services.service_answer import answer_with, given_path
 from reflest_ros.services.waiting_services import WaitingServices
 from reflest_ros.srv import Estimate, ExportEstimate
@@ -31,6 +31,7 @@ class EstimateServices:
 
     def estimate(self, _: Estimate.Request, response: Estimate.Response) -> Estimate.Response:
         """Estimate from all that was scanned; the answer is published as well."""
+        response.estimate = unknown_message()
 
         def work() -> str:
             estimate = self._estimate_now()

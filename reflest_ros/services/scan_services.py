@@ -11,6 +11,7 @@ from typing import Protocol
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
+from reflest_core.errors import ReflestError
 from reflest_core.estimation.scanner import Scanner
 from reflest_core.fusion.settings import RegionSettings
 from reflest_ros.region_parameters import set_region_parameters
@@ -18,6 +19,13 @@ from reflest_ros.services.service_answer import answer_with, given_path
 from reflest_ros.services.waiting_services import WaitingServices
 from reflest_ros.srv import LoadScan, SaveScan, SetRegion
 from reflest_ros.workers.fusion_worker import FusionWorker
+
+SHAPES = {
+    SetRegion.Request.SHAPE_NONE: "none",
+    SetRegion.Request.SHAPE_BOX: "box",
+    SetRegion.Request.SHAPE_SPHERE: "sphere",
+}
+"""Values of the parameter region.shape."""
 
 
 class Session(Protocol):
@@ -93,9 +101,7 @@ class ScanServices:
         """Scan another region of interest; another one than now begins a new scan."""
 
         def work() -> str:
-            region = RegionSettings(
-                request.shape, tuple(request.centre.tolist()), tuple(request.size.tolist())
-            )
+            region = _region_of(request)
             is_new = region != self._session.scanner.scan.region_settings
             set_region_parameters(self._node, region)
             if not is_new:
@@ -111,3 +117,13 @@ class ScanServices:
 
     def _between_frames(self, work: Callable[[], None]) -> None:
         self._session.fusion.call(work).result()
+
+
+def _region_of(request: SetRegion.Request) -> RegionSettings:
+    if request.shape not in SHAPES:
+        known = ", ".join(f"{number} ({name})" for number, name in SHAPES.items())
+        raise ReflestError(f"shape = {request.shape} is none of the SHAPE_ constants: {known}")
+    centre, size = request.centre, request.size
+    return RegionSettings(
+        SHAPES[request.shape], (centre.x, centre.y, centre.z), (size.x, size.y, size.z)
+    )

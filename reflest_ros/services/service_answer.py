@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol, TypeVar
@@ -22,13 +23,16 @@ AnyAnswer = TypeVar("AnyAnswer", bound=Answer)
 
 
 def answer_with(response: AnyAnswer, work: Callable[[], str]) -> AnyAnswer:
-    """Fill ``response`` with what ``work`` says, or with why it failed."""
+    """Fill ``response`` with what ``work`` says, or with why it failed, and the time it took."""
+    started = time.monotonic()
     try:
         response.message = work()
         response.success = True
     except (ReflestError, OSError) as error:
         response.message = str(error)
         response.success = False
+    if hasattr(response, "duration"):
+        response.duration = time.monotonic() - started
     return response
 
 

@@ -5,15 +5,22 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
-from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
+import pytest
+
+from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
 from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
-from reflest_ros.outputs.estimate_message import estimate_from_message, estimate_to_message
+from reflest_ros.outputs.estimate_message import (
+    estimate_from_message,
+    estimate_to_message,
+    unknown_message,
+)
 
 ESTIMATE = BrdfEstimate(
     stamp_ns=1_750_000_000_123_456_789,
     frame_id="camera",
-    schema_version=2,
+    schema_version=SCHEMA_VERSION,
     model_id="hemicnn/0",
     ward_variant="ward-1992",
     rho_d=(0.1, 0.2, 0.3),
@@ -50,3 +57,15 @@ def test_round_trip_is_exact_and_unknown_stays_nan():
     assert back.stamp_ns == ESTIMATE.stamp_ns
     assert back.rho_s_stddev != back.rho_s_stddev
     assert back.status is EstimateStatus.LOW_COVERAGE
+
+
+@pytest.mark.parametrize("message", [BrdfEstimateMessage(), unknown_message()])
+def test_a_message_without_an_estimate_is_not_ok(message):
+    assert estimate_from_message(message).status is EstimateStatus.UNKNOWN
+
+
+def test_the_unknown_estimate_holds_no_number_that_could_be_used():
+    sent = unknown_message()
+    numbers = [sent.rho_s, sent.alpha, sent.c, sent.d, sent.coverage, *sent.rho_d, *sent.lab]
+    assert all(math.isnan(number) for number in numbers)
+    assert sent.schema_version == SCHEMA_VERSION

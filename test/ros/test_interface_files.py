@@ -41,19 +41,22 @@ def test_requests_and_responses_are_what_was_generated(path):
     for section, half in zip(
         read_interface(path), (generated.Request, generated.Response), strict=True
     ):
-        assert [field.name for field in section.fields] == list(half.get_fields_and_field_types())
+        fields = [field.name for field in section.fields if not field.value]
+        assert fields == list(half.get_fields_and_field_types())
 
 
 @pytest.mark.parametrize("path", MESSAGES, ids=lambda path: path.name)
 def test_numbers_have_unit_range_and_unknown_value(path):
     (section,) = read_interface(path)
     numbers = [f for f in section.fields if re.match(r"float|u?int", f.kind) and not f.value]
-    assert len(numbers) > 10
+    assert numbers
     for field in numbers:
         if field.name not in ("schema_version", "status"):
             assert re.search(r"Unit(, colour space)?: ", field.comment), field.name
         assert re.search(r"Range: |One of ", field.comment), field.name
-        assert re.search(r"Unknown( \([^)]*\))?: NaN|Always known", field.comment), field.name
+        assert re.search(
+            r"Unknown( \([^)]*\))?: (NaN|0|STATUS_UNKNOWN)|Always known", field.comment
+        ), field.name
 
 
 @pytest.mark.parametrize("path", MESSAGES, ids=lambda path: path.name)

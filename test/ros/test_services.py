@@ -12,6 +12,7 @@ import json
 import threading
 
 import pytest
+from geometry_msgs.msg import Point, Vector3
 from rcl_interfaces.msg import ParameterType, ParameterValue
 from sphere_messages import RGB, messages_of
 from sphere_scene import CENTRE, PERIOD_NS, views
@@ -21,7 +22,17 @@ from reflest_core.export.environment_file import LIGHT_FORMATS
 from reflest_core.export.material_file import FORMATS
 from reflest_ros.srv import Estimate, ExportEstimate, LoadScan, SaveScan, SetRegion
 
-SPHERE = {"shape": "sphere", "centre": [0.0, 0.0, 0.12], "size": [0.35, 0.35, 0.35]}
+
+def region_request(shape, centre, size):
+    """The fields of a SetRegion request; centre and size: three numbers each."""
+    return {
+        "shape": shape,
+        "centre": Point(**dict(zip("xyz", centre, strict=True))),
+        "size": Vector3(**dict(zip("xyz", size, strict=True))),
+    }
+
+
+SPHERE = region_request(SetRegion.Request.SHAPE_SPHERE, (0.0, 0.0, 0.12), (0.35, 0.35, 0.35))
 
 
 @pytest.fixture(scope="module")
@@ -120,11 +131,11 @@ def test_another_region_begins_a_new_scan_in_mid_fusion(peer, send, tmp_path):
 
     # A box around the upper half of the sphere, whose views are all new.
     send(3)
-    box = {"shape": "box", "centre": [0.0, 0.0, 0.2], "size": [0.4, 0.4, 0.16]}
+    box = region_request(SetRegion.Request.SHAPE_BOX, (0.0, 0.0, 0.2), (0.4, 0.4, 0.16))
     changed = peer.call(SetRegion, "set_region", **box)
     assert changed.success, changed.message
     assert peer.parameter("region.shape").string_value == "box"
-    assert list(peer.parameter("region.size").double_array_value) == box["size"]
+    assert list(peer.parameter("region.size").double_array_value) == [0.4, 0.4, 0.16]
     fused = peer.count("frames fused")
     send(2)
     peer.wait_for_count("frames fused", fused + 2)
@@ -143,9 +154,9 @@ def test_a_bad_region_is_refused_and_the_scan_kept(peer, send):
     send(2)
     voxels = peer.call(Estimate, "estimate").estimate.voxel_count
     for bad, reason in (
-        ({**SPHERE, "shape": "cone"}, "cone"),
-        ({**SPHERE, "size": [-1.0, 1.0, 1.0]}, "size"),
-        ({**SPHERE, "centre": [float("nan"), 0.0, 0.0]}, "centre"),
+        ({**SPHERE, "shape": 9}, "shape = 9 is none of"),
+        ({**SPHERE, "size": Vector3(x=-1.0, y=1.0, z=1.0)}, "size"),
+        ({**SPHERE, "centre": Point(x=float("nan"))}, "centre"),
     ):
         response = peer.call(SetRegion, "set_region", **bad)
         assert not response.success
@@ -174,7 +185,7 @@ def test_every_service_while_frames_come(peer, send, tmp_path):
         (SaveScan, "save", {"path": scan}),
         (LoadScan, "load", {"path": scan}),
         (ExportEstimate, "export", {"format": "gltf", "path": material}),
-        (SetRegion, "set_region", {**SPHERE, "size": [0.3, 0.3, 0.3]}),
+        (SetRegion, "set_region", {**SPHERE, "size": Vector3(x=0.3, y=0.3, z=0.3)}),
         (Trigger, "pause", {}),
         (Trigger, "resume", {}),
         (SetRegion, "set_region", SPHERE),

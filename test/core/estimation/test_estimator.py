@@ -79,7 +79,7 @@ def test_unknown_values_become_null_in_json():
     assert record["latency"] is None
     assert record["rho_d_stddev"] == [None, None, None]
     assert record["header"] == {"stamp_ns": 5, "frame_id": "c"}
-    assert record["status"] == 0
+    assert record["status"] == EstimateStatus.OK
 
 
 @given(arrays(np.float64, 5, elements=st.floats(-5, 5)))

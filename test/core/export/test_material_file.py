@@ -76,6 +76,19 @@ def test_the_final_estimate_of_a_replay_is_read(tmp_path, version):
     assert read_estimate(path).rho_d == GLOSSY_RED.rho_d
 
 
+@pytest.mark.parametrize(
+    ("version", "number", "status"),
+    [(1, 0, "OK"), (2, 0, "OK"), (2, 3, "LOW_LIGHT"), (3, 0, "UNKNOWN"), (3, 8, "OK")],
+)
+def test_a_status_keeps_the_meaning_of_its_version(tmp_path, version, number, status):
+    record = {**GLOSSY_RED.to_json(), "schema_version": version, "status": number}
+    if version < 3:
+        del record["depth_agreement"]
+    path = tmp_path / "replay.json"
+    path.write_text(json.dumps(record))
+    assert read_estimate(path).status.name == status
+
+
 def test_a_single_estimate_is_read(tmp_path):
     path = tmp_path / "estimate.json"
     path.write_text(json.dumps(GLOSSY_RED.to_json()))
@@ -87,7 +100,7 @@ def test_a_single_estimate_is_read(tmp_path):
     [
         ("{", "is not JSON"),
         ("[]", "holds no estimate"),
-        ("{}", "has schema_version None where this reflest reads 1 and 2"),
+        ("{}", "has schema_version None where this reflest reads 1 and 2 and 3"),
         ('{"schema_version": V, "final": null, "no_estimate": "3 voxels"}', "estimate: 3 voxels"),
         ('{"schema_version": V, "final": {"header": {}}}', "damaged estimate"),
         ('{"schema_version": V, "final": []}', "damaged estimate"),
