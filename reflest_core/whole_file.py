@@ -1,11 +1,17 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A result's file, written whole or not at all."""
+"""Files that are written whole or not at all, by one writer for the whole package."""
 
 from __future__ import annotations
 
+import glob
 import os
+import secrets
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
 from reflest_core.errors import ReflestError
 
@@ -14,16 +20,92 @@ class OutputError(ReflestError):
     """A result cannot be written where it was asked for."""
 
 
-def write_whole(path: Path, content: bytes) -> None:
-    """Write beside ``path``, then rename: a reader finds the old file or the new one.
+@contextmanager
+def whole_file(path: Path) -> Iterator[BinaryIO]:
+    """Open a file that replaces ``path`` when the block ends without an error.
+
+    The content goes to a new file beside ``path``, reaches the disk, and is renamed: a reader finds
+    the old file or the new one. A symbolic link stays and its target is replaced. Mode and owner of
+    an existing file are kept. What a process that was killed left beside ``path`` is removed.
+
+    Args:
+        path: The file to write; its folder must exist.
+
+    Yields:
+        The open file, for writing bytes.
 
     Raises:
-        OutputError: with the system's reason.
+        OutputError: The file cannot be written; ``path`` is as it was before.
     """
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    partial: Path | None = None
     try:
-        partial.write_bytes(content)
-        partial.replace(path)
+        target = Path(os.path.realpath(path))
+        before = _status(target)
+        _remove_abandoned(target)
+        partial = target.with_name(f".{target.name}.{os.getpid()}.{secrets.token_hex(4)}.partial")
+        with partial.open("xb") as file:
+            if before is not None:
+                _keep_mode_and_owner(file, before)
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
+        partial.replace(target)
     except OSError as error:
-        partial.unlink(missing_ok=True)
-        raise OutputError(f"cannot write {path}: {error.strerror}") from error
+        raise OutputError(
+            f"cannot write {path}: {error.strerror or error}; make room or choose another place"
+        ) from error
+    finally:
+        if partial is not None:
+            partial.unlink(missing_ok=True)
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write ``content`` to ``path``, whole or not at all (:func:`whole_file`).
+
+    Args:
+        path: The file to write; its folder must exist.
+        content: All bytes of the file.
+
+    Raises:
+        OutputError: The file cannot be written; ``path`` is as it was before.
+    """
+    with whole_file(path) as file:
+        file.write(content)
+
+
+def _status(target: Path) -> os.stat_result | None:
+    """The status of an existing regular file, None where there is none yet."""
+    try:
+        status = target.stat()
+    except FileNotFoundError:
+        return None
+    if stat.S_ISDIR(status.st_mode):
+        raise OSError("it is a folder")
+    if not stat.S_ISREG(status.st_mode):
+        raise OSError("it is not a regular file")
+    return status
+
+
+def _remove_abandoned(target: Path) -> None:
+    """Remove unfinished files of processes that are no more."""
+    for partial in target.parent.glob(f".{glob.escape(target.name)}.*.partial"):
+        process = partial.name.removeprefix(f".{target.name}.").split(".")[0]
+        if process.isdigit() and not _is_running(int(process)):
+            partial.unlink(missing_ok=True)
+
+
+def _is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except PermissionError:
+        return True
+    return True
+
+
+def _keep_mode_and_owner(file: BinaryIO, before: os.stat_result) -> None:
+    here = os.fstat(file.fileno())
+    if (here.st_uid, here.st_gid) != (before.st_uid, before.st_gid):
+        os.fchown(file.fileno(), before.st_uid, before.st_gid)
+    os.fchmod(file.fileno(), stat.S_IMODE(before.st_mode))

@@ -47,6 +47,7 @@ def keep_voxels(surface: ObservedSurface, voxels: NDArray[np.int64]) -> Observed
     return dataclasses.replace(
         surface,
         offsets=offsets,
+        keys=None if surface.keys is None else surface.keys[voxels],
         **{name: getattr(surface, name)[voxels] for name in PER_VOXEL},
         **{name: getattr(surface, name)[rows] for name in PER_OBSERVATION},
     )

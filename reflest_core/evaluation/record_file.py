@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import os
 import re
 import subprocess
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ import numpy as np
 
 from reflest_core.evaluation.contenders import EvaluationError
 from reflest_core.synbrdf.scenes.scene_file import MANIFEST
+from reflest_core.whole_file import write_whole
 
 NUMBERS = re.compile(r"\[([-+.\deE,\s]+)\]")
 
@@ -36,13 +36,11 @@ def provenance_of(command: str, data: Path) -> Provenance:
 
 
 def write_record(path: Path, provenance: Provenance, figures: dict[str, Any]) -> None:
-    """Write atomically; a list of numbers stays on one line."""
+    """Write the record whole or not at all; a list of numbers stays on one line."""
     record = {"provenance": dataclasses.asdict(provenance), **figures}
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_suffix(".partial")
     text = json.dumps(record, indent=1, default=_plain)
-    temporary.write_text(NUMBERS.sub(_on_one_line, text) + "\n")
-    os.replace(temporary, path)
+    write_whole(path, (NUMBERS.sub(_on_one_line, text) + "\n").encode())
 
 
 def read_record(path: Path) -> dict[str, Any] | None:

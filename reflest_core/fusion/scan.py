@@ -29,7 +29,7 @@ from reflest_core.fusion.observations.surface_exposure import surface_shifts
 from reflest_core.fusion.observations.views import ViewTable
 from reflest_core.fusion.scan_file import ScanFileError, read_scan, restore_rows, write_scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
-from reflest_core.fusion.snapshot import observed_surface
+from reflest_core.fusion.snapshot import MOST_VOXELS, observed_surface
 from reflest_core.fusion.tsdf.volume import TsdfVolume
 from reflest_core.light.exposure_gain import may_share_view
 from reflest_core.light.light_map import LightMap
@@ -232,9 +232,16 @@ class Scan:
             is_light_alone=True,
         )
 
-    def snapshot(self) -> ObservedSurface:
-        """A copy of what has been observed, of bounded size (``snapshot.MOST_VOXELS``)."""
-        surface = observed_surface(self.store, self.views, self.fusion.threads)
+    def snapshot(self, most_voxels: int = MOST_VOXELS) -> ObservedSurface:
+        """Copy what has been observed.
+
+        Args:
+            most_voxels: A larger surface is thinned evenly to so many voxels.
+
+        Returns:
+            The surface with its light, for use from any thread.
+        """
+        surface = observed_surface(self.store, self.views, self.fusion.threads, most_voxels)
         return dataclasses.replace(surface, light=self.light.observed())
 
     def save(self, path: Path | str) -> None:

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import json
-import os
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from reflest_core.errors import ReflestError
 from reflest_core.fusion.scan_upgrade import Arrays, upgraded
+from reflest_core.whole_file import whole_file
 
 FORMAT = "reflest-scan"
 VERSION = 4
@@ -24,22 +24,23 @@ OLDER = (2, 3)
 
 
 class ScanFileError(ReflestError):
-    """A scan could not be written or read back."""
+    """A scan file cannot be read."""
 
 
 def write_scan(path: Path, header: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Write beside ``path``, then rename: the file is there whole, or as it was before."""
+    """Write a scan file, whole or not at all.
+
+    Args:
+        path: The file to write.
+        header: What JSON can hold of the scan.
+        arrays: The scan's arrays by name.
+
+    Raises:
+        OutputError: The file cannot be written; ``path`` is as it was before.
+    """
     text = json.dumps({"format": FORMAT, "version": VERSION, **header})
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    try:
-        with partial.open("wb") as file:
-            np.savez(file, allow_pickle=False, **{"header": np.array(text), **arrays})
-            file.flush()
-            os.fsync(file.fileno())
-        partial.replace(path)
-    except OSError as error:
-        partial.unlink(missing_ok=True)
-        raise ScanFileError(f"cannot write the scan to {path}: {error.strerror or error}") from None
+    with whole_file(path) as file:
+        np.savez(file, allow_pickle=False, **{"header": np.array(text), **arrays})
 
 
 def read_scan(path: Path) -> tuple[dict[str, Any], Arrays]:

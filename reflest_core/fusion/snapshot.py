@@ -17,14 +17,23 @@ MOST_VOXELS = 10_000
 
 
 def observed_surface(
-    store: ObservationStore, views: ViewTable, threads: int = 1
+    store: ObservationStore, views: ViewTable, threads: int = 1, most_voxels: int = MOST_VOXELS
 ) -> ObservedSurface:
-    """Copy :data:`MOST_VOXELS` voxels with observations at most; view indices are view ids.
+    """Copy the observed voxels of a store, their observations and their views.
 
-    Where the camera's exposure changed, colours are those of the common one.
+    Where the camera's exposure changed, the colours are those of the common exposure.
+
+    Args:
+        store: Voxels and their observations.
+        views: The views that the observations belong to; view indices are view ids.
+        threads: Threads that share the work.
+        most_voxels: A larger store is thinned evenly to so many voxels.
+
+    Returns:
+        The surface without its light.
     """
     rows = store.rows
-    selected = thinned(rows.counts[: store.count], MOST_VOXELS)
+    selected = thinned(rows.counts[: store.count], most_voxels)
     offsets = np.zeros(len(selected) + 1, np.int64)
     np.cumsum(rows.counts[selected], out=offsets[1:], dtype=np.int64)
     colours, view_ids = store.observations(selected, threads)
@@ -38,4 +47,5 @@ def observed_surface(
         view_centres=views.centres[: views.count].copy(),
         view_foreground=means_at_one_exposure(views.foreground[: views.count], gains),
         view_background=means_at_one_exposure(views.background[: views.count], gains),
+        keys=rows.keys[selected],
     )

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
-from safetensors.numpy import save_file
+from safetensors.numpy import save
 
 from reflest_core.brdf.parameters import WardVariant
 from reflest_core.errors import ReflestError
@@ -23,6 +22,7 @@ from reflest_core.models.calibration import Calibration
 from reflest_core.models.model_choice import MODELS
 from reflest_core.models.normalisation import ParameterStatistics
 from reflest_core.models.quantisation import Tensors, dequantise, quantise
+from reflest_core.whole_file import write_whole
 
 FORMAT = "reflest-weights-1"
 SHIPPED = Path(__file__).parent / "shipped"
@@ -84,10 +84,7 @@ def save_weights(
         sort_keys=True,
     )
     metadata = {"format": FORMAT, "card": described, "sha256": content_hash(stored, described)}
-    temporary = path.with_suffix(".partial")
-    save_file(stored, temporary, metadata)
-    os.chmod(temporary, 0o644)  # safetensors writes for the owner alone
-    os.replace(temporary, path)
+    write_whole(path, save(stored, metadata))
 
 
 def load_weights(path: Path) -> tuple[Tensors, WeightsCard, str]:

@@ -19,15 +19,22 @@ from reflest_core.light.light_map import ObservedLight
 
 @dataclass(frozen=True)
 class ObservedSurface:
-    """V surface voxels, O observations grouped by voxel (CSR), W views.
+    """V surface voxels, O observations grouped by voxel (CSR) and W views.
 
-    ``positions``, ``normals``: (V, 3) float32, world frame, metres / unit length.
-    ``offsets``: (V + 1,) int64; voxel k owns observations ``offsets[k]:offsets[k + 1]``.
-    ``colours``: (O, 3) uint8, 8-bit sRGB. ``view_indices``: (O,) uint16 into the view arrays.
-    ``view_centres``: (W, 3) float32, camera centres in the world frame, metres.
-    ``view_foreground``, ``view_background``: (W, 3) float32, mean 8-bit colour F and B in
-    [0, 255]; NaN where a view has no such pixels. ``light``: what the background showed of the
-    environment; None where it was not gathered.
+    Attributes:
+        positions: (V, 3) float32, world frame, metres.
+        normals: (V, 3) float32, world frame, unit length, outward.
+        offsets: (V + 1,) int64; voxel k owns the observations ``offsets[k]:offsets[k + 1]``.
+        colours: (O, 3) uint8, 8-bit sRGB.
+        view_indices: (O,) uint16, indices into the view arrays.
+        view_centres: (W, 3) float32, camera centres in the world frame, metres.
+        view_foreground: (W, 3) float32, mean 8-bit colour F in [0, 255]; NaN where a view has no
+            foreground pixels.
+        view_background: (W, 3) float32, the same for B and the background.
+        light: What the background showed of the environment; None where it was not gathered.
+        keys: (V,) int64, the packed key of each voxel (:mod:`.voxel_key`) in the order of
+            ``positions``: it stays with a voxel from keyframe to keyframe. None for synthetic
+            scenes. Files do not store it.
     """
 
     positions: NDArray[np.float32]
@@ -39,10 +46,11 @@ class ObservedSurface:
     view_foreground: NDArray[np.float32]
     view_background: NDArray[np.float32]
     light: ObservedLight | None = None
+    keys: NDArray[np.int64] | None = None
 
     @property
     def voxel_count(self) -> int:
-        """V."""
+        """V, the number of voxels."""
         return len(self.positions)
 
     @property
@@ -77,5 +85,5 @@ def _occurring(indices: NDArray[np.uint16], limit: int) -> NDArray[np.bool_]:
     return is_there
 
 
-SURFACE_ARRAYS = tuple(f.name for f in fields(ObservedSurface) if f.name != "light")
+SURFACE_ARRAYS = tuple(f.name for f in fields(ObservedSurface) if f.name not in ("light", "keys"))
 """Names of the arrays, which files store one by one."""

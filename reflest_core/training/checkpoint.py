@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +14,7 @@ import torch
 from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.recipe import Recipe
 from reflest_core.training.weight_average import Weights
+from reflest_core.whole_file import whole_file
 
 
 @dataclass
@@ -33,15 +33,13 @@ class Checkpoint:
 
 
 def save_checkpoint(path: Path, checkpoint: Checkpoint, recipe: Recipe) -> None:
-    """Write atomically; :class:`TrainingError` where there is no room."""
-    temporary = path.with_suffix(".partial")
-    try:
-        torch.save({**vars(checkpoint), "recipe": recipe.describe()}, temporary)
-        os.replace(temporary, path)
-    except (OSError, RuntimeError) as error:
-        raise TrainingError(
-            f"{path} cannot be written ({error}): make room and run the same command again"
-        ) from error
+    """Write the checkpoint whole or not at all.
+
+    Raises:
+        OutputError: It cannot be written; the checkpoint before it is as it was.
+    """
+    with whole_file(path) as file:
+        torch.save({**vars(checkpoint), "recipe": recipe.describe()}, file)
 
 
 def load_checkpoint(path: Path, recipe: Recipe, device: torch.device) -> Checkpoint | None:

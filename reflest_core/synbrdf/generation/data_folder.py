@@ -8,7 +8,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from reflest_core.synbrdf.scenes.scene_file import MANIFEST, SceneFileError, write_atomically
+from reflest_core.synbrdf.scenes.scene_file import MANIFEST, SceneFileError
+from reflest_core.whole_file import write_whole
 
 
 def begin_manifest(folder: Path, manifest: dict[str, Any]) -> None:
@@ -48,4 +49,4 @@ def read_manifest(folder: Path) -> dict[str, Any]:
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
     """Write whole or not at all, keys sorted."""
-    write_atomically(path, (json.dumps(content, indent=1, sort_keys=True) + "\n").encode())
+    write_whole(path, (json.dumps(content, indent=1, sort_keys=True) + "\n").encode())

@@ -21,8 +21,8 @@ from reflest_core.synbrdf.scenes.scene_file import (
     MANIFEST,
     SceneFileError,
     sha256,
-    write_atomically,
 )
+from reflest_core.whole_file import write_whole
 
 
 def generate(
@@ -47,7 +47,7 @@ def generate(
         closing(finished(workers, partial(render_agreed, generation, manifest), missing)) as shards,
     ):
         for task, shard in shards:
-            write_atomically(folder / task.file_name, shard)
+            write_whole(folder / task.file_name, shard)
             progress.update(task.scenes)
     hashes = {task.file_name: sha256(folder / task.file_name) for task in tasks}
     write_json(folder / MANIFEST, {**manifest, "sha256": hashes})

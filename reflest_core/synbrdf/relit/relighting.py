@@ -25,10 +25,10 @@ from reflest_core.synbrdf.scenes.scene_file import (
     FORMAT,
     load_shard,
     shard_bytes,
-    write_atomically,
 )
 from reflest_core.synbrdf.scenes.seeding import Purpose, generator
 from reflest_core.synbrdf.scenes.splits import Split
+from reflest_core.whole_file import write_whole
 
 
 class RelightingRefused(ReflestError):
@@ -110,7 +110,7 @@ def relight(out: Path, relighting: Relighting, workers: AbstractContextManager[E
         closing(finished(workers, made, missing)) as relit_shards,
     ):
         for task, shard in relit_shards:
-            write_atomically(out / task.file_name, shard)
+            write_whole(out / task.file_name, shard)
             progress.update()
 
 

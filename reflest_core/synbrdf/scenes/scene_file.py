@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -21,6 +20,7 @@ from reflest_core.brdf.parameters import WardParameters, WardVariant
 from reflest_core.errors import ReflestError
 from reflest_core.surface.observed_surface import SURFACE_ARRAYS, ObservedSurface
 from reflest_core.synbrdf.scenes.thumbnails import Thumbnails
+from reflest_core.whole_file import write_whole
 
 FORMAT = "synbrdf-sparse-2"
 NEAR_FORMAT = "synbrdf-sparse-3"
@@ -55,7 +55,7 @@ class SynbrdfScene:
 
 def save_shard(path: Path, scenes: list[SynbrdfScene]) -> None:
     """Write atomically; equal scenes give equal bytes."""
-    write_atomically(path, shard_bytes(scenes))
+    write_whole(path, shard_bytes(scenes))
 
 
 def shard_bytes(scenes: list[SynbrdfScene]) -> bytes:
@@ -79,20 +79,6 @@ def shard_bytes(scenes: list[SynbrdfScene]) -> bytes:
         "scenes": json.dumps(cards, sort_keys=True),
     }
     return _with_sorted_header(save(arrays, metadata))
-
-
-def write_atomically(path: Path, data: bytes) -> None:
-    """Write ``path`` whole or not at all; :class:`SceneFileError` says why it cannot be."""
-    temporary = path.with_suffix(".partial")
-    try:
-        temporary.write_bytes(data)
-        os.replace(temporary, path)
-    except OSError as error:
-        temporary.unlink(missing_ok=True)
-        raise SceneFileError(
-            f"{path} cannot be written ({error.strerror}): make room or choose another --out, and "
-            "run the same command again"
-        ) from error
 
 
 def _with_sorted_header(data: bytes) -> bytes:

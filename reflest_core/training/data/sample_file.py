@@ -5,17 +5,17 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
-from safetensors.numpy import save_file
+from safetensors.numpy import save
 
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.training.data.sample import Sample, TrainingError
+from reflest_core.whole_file import write_whole
 
 FORMAT = "reflest-samples-1"
 PER_VOXEL = ("positions", "normals")
@@ -38,10 +38,7 @@ def save_samples(path: Path, samples: list[Sample]) -> None:
         "indices": [sample.index for sample in samples],
     }
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_suffix(".partial")
-    save_file(arrays, temporary, {"format": FORMAT, "layout": json.dumps(layout)})
-    temporary.chmod(0o644)  # safetensors writes for the owner alone
-    os.replace(temporary, path)
+    write_whole(path, save(arrays, {"format": FORMAT, "layout": json.dumps(layout)}))
 
 
 def read_samples(path: Path) -> list[Sample]:

@@ -8,7 +8,6 @@ calibrated together: each light by weights that never saw it.
 
 from __future__ import annotations
 
-import os
 import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 from reflest_core.models.calibration import Calibration
 from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.metrics import NormalisedRmse
+from reflest_core.whole_file import whole_file
 
 HELD_SHARE = 0.9
 HALF_WIDTH = NormalDist().inv_cdf(0.5 + HELD_SHARE / 2)
@@ -110,13 +110,11 @@ class MeasuredLooks:
         return dict(sorted(found.items(), key=lambda pair: pair[1]))
 
     def save(self, folder: Path) -> None:
-        """Write :data:`HELD_OUT` into a training's ``folder``, atomically."""
-        temporary = folder / f"{HELD_OUT}.partial"
-        with temporary.open("wb") as file:
+        """Write :data:`HELD_OUT` into a training's ``folder``, whole or not at all."""
+        with whole_file(folder / HELD_OUT) as file:
             np.savez_compressed(
                 file, **{field.name: getattr(self, field.name) for field in fields(self)}
             )
-        os.replace(temporary, folder / HELD_OUT)
 
     @staticmethod
     def read(folder: Path) -> MeasuredLooks:

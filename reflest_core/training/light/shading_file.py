@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -13,12 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
-from safetensors.numpy import save_file
+from safetensors.numpy import save
 
 from reflest_core.models.lightnet.shading import Shading
 from reflest_core.models.model_choice import MODELS
 from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.light.shading_axes import AXES
+from reflest_core.whole_file import write_whole
 
 FORMAT = "reflest-shadings-1"
 LARGEST = 6e4
@@ -52,24 +52,18 @@ def as_row(look: Shading) -> dict[str, NDArray[Any]]:
 def save_looks(
     path: Path, rows: list[dict[str, NDArray[Any]]], cards: list[LookCard], fingerprint: str
 ) -> None:
-    """Write atomically; there may be none. :class:`TrainingError` where there is no room."""
+    """Write them whole or not at all; there may be none.
+
+    Raises:
+        OutputError: The file cannot be written.
+    """
     arrays = {name: np.stack([row[name] for row in rows]) for name in AXES} if rows else {}
     metadata = {
         "format": FORMAT,
         "fingerprint": fingerprint,
         "looks": json.dumps([asdict(card) for card in cards]),
     }
-    temporary = path.with_suffix(".partial")
-    try:
-        save_file(arrays, temporary, metadata)
-        temporary.chmod(0o644)  # safetensors writes for the owner alone
-        os.replace(temporary, path)
-    except (OSError, SafetensorError) as error:
-        temporary.unlink(missing_ok=True)
-        raise TrainingError(
-            f"{path} cannot be written ({error}): make room or choose another --shadings, and "
-            "run the same command again"
-        ) from error
+    write_whole(path, save(arrays, metadata))
 
 
 def read_cards(path: Path, fingerprint: str | None = None) -> list[LookCard]:

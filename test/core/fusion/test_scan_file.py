@@ -10,6 +10,7 @@ from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.scan_file import ScanFileError
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.light.light_map import SIZE
+from reflest_core.whole_file import OutputError
 from test.core.fusion.analytic_scene import orbit_frames
 from test.core.fusion.scan_state import assert_same_arrays, assert_same_surface, state_of
 
@@ -189,12 +190,12 @@ def test_failed_save_leaves_the_file_as_it_was(scan, saved, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("os.fsync", full)
-    with pytest.raises(ScanFileError, match="No space left"):
+    with pytest.raises(OutputError, match="No space left"):
         scan.save(saved)
     assert saved.read_bytes() == before
     assert [p.name for p in saved.parent.iterdir()] == [saved.name]
 
 
 def test_folder_that_is_not_there(scan, tmp_path):
-    with pytest.raises(ScanFileError, match="cannot write"):
+    with pytest.raises(OutputError, match="cannot write"):
         scan.save(tmp_path / "none" / "cup.scan")

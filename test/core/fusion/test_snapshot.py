@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 
+from reflest_core.evaluation.quick_set import keep_voxels
 from reflest_core.fusion import snapshot
 from reflest_core.fusion.observations.observation_store import ObservationStore
 from reflest_core.fusion.observations.views import ViewTable
+from reflest_core.surface.upright import upright
 
 
 def filled(voxels):
@@ -41,13 +43,21 @@ def test_leaves_voxels_without_observations_out():
     assert surface.offsets.tolist() == [0, 1, 2]
 
 
-def test_large_store_is_thinned_evenly(monkeypatch):
-    monkeypatch.setattr(snapshot, "MOST_VOXELS", 50)
-    surface = snapshot.observed_surface(*filled(1000))
+def test_large_store_is_thinned_evenly():
+    surface = snapshot.observed_surface(*filled(1000), most_voxels=50)
     assert surface.voxel_count == 50
     steps = np.diff(surface.positions[:, 0])
     assert steps.min() >= 20
     assert steps.max() <= 21
+
+
+def test_every_voxel_keeps_its_key():
+    surface = snapshot.observed_surface(*filled(1000), most_voxels=50)
+    assert surface.keys.tolist() == surface.positions[:, 0].tolist()
+    turned = upright(surface, (0.0, 1.0, 0.0))
+    assert turned.keys.tolist() == surface.keys.tolist()
+    chosen = np.array([31, 7, 40])
+    assert keep_voxels(surface, chosen).keys.tolist() == surface.keys[chosen].tolist()
 
 
 def test_empty_store():

@@ -21,6 +21,7 @@ from reflest_core.training.run_folder import RunFolder
 from reflest_core.training.surface.surface_course import SurfaceCourse
 from reflest_core.training.trainer import Trainer
 from reflest_core.training.weight_average import WeightAverage
+from reflest_core.whole_file import OutputError
 from test.core.training.scenes import learnable_samples
 
 DATA = TrainingData(learnable_samples(40, 0), learnable_samples(10, 1), {"train": 40})
@@ -151,9 +152,12 @@ def test_a_damaged_checkpoint_is_named(tmp_path):
         train(tmp_path)
 
 
-def test_a_checkpoint_that_cannot_be_written_is_named(tmp_path):
-    (tmp_path / "checkpoint.partial").mkdir()
-    with pytest.raises(TrainingError, match=r"checkpoint\.pt cannot be written .*: make room"):
+def test_a_checkpoint_that_cannot_be_written_is_named(tmp_path, monkeypatch):
+    def full(_file):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", full)
+    with pytest.raises(OutputError, match=r"cannot write .*checkpoint\.pt: .*make room"):
         train(tmp_path)
 
 

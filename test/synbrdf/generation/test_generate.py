@@ -27,13 +27,17 @@ from reflest_core.synbrdf.scenes.scene_file import (
     load_shard,
     save_shard,
     sha256,
-    write_atomically,
 )
 from reflest_core.synbrdf.scenes.seeding import Purpose, generator
 from reflest_core.synbrdf.scenes.splits import Split
+from reflest_core.whole_file import OutputError, write_whole
 
 SCENES = {"train": 2, "validation": 1, "unseen": 1}
 TINY = Generation(seed=5, scenes=SCENES, points=30, views=6, samples=4)
+
+
+NO_PROCESS = 2**22 + 1
+"""Above the largest process id that Linux gives."""
 
 
 def hashes(folder):
@@ -56,7 +60,8 @@ def test_a_killed_run_is_resumed_to_the_same_bytes(generated, tmp_path):
     folder = tmp_path / "set"
     shutil.copytree(generated, folder)
     lost = next(folder.glob("train-*.safetensors"))
-    lost.with_suffix(".partial").write_bytes(lost.read_bytes()[:1000])
+    unfinished = folder / f".{lost.name}.{NO_PROCESS}.0a1b2c3d.partial"
+    unfinished.write_bytes(lost.read_bytes()[:1000])
     lost.unlink()
     kept = {path.name: path.stat().st_mtime_ns for path in folder.glob("unseen-*")}
     generate(folder, TINY, process_pool(1))
@@ -239,8 +244,8 @@ def test_a_full_disk_is_one_sentence_and_leaves_nothing(tmp_path):
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
     try:
-        with pytest.raises(SceneFileError, match=r"train\.safetensors cannot be written"):
-            write_atomically(tmp_path / "train.safetensors", b"x" * 2000)
+        with pytest.raises(OutputError, match=r"cannot write .*train\.safetensors"):
+            write_whole(tmp_path / "train.safetensors", b"x" * 2000)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert list(tmp_path.iterdir()) == []

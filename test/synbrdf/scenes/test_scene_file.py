@@ -16,9 +16,9 @@ from reflest_core.synbrdf.scenes.scene_file import (
     load_shard,
     save_shard,
     shard_bytes,
-    write_atomically,
 )
 from reflest_core.synbrdf.scenes.thumbnails import Thumbnails
+from reflest_core.whole_file import write_whole
 
 
 def far_scene():
@@ -84,6 +84,6 @@ def test_rooms_have_a_format_of_their_own(tmp_path):
     assert b"synbrdf-sparse-2" in shard_bytes([far_scene()])
     near = shard_bytes([near_scene()])
     assert b"synbrdf-sparse-3" in near
-    write_atomically(tmp_path / "x.safetensors", near.replace(b"sparse-3", b"sparse-9"))
+    write_whole(tmp_path / "x.safetensors", near.replace(b"sparse-3", b"sparse-9"))
     with pytest.raises(SceneFileError, match="synbrdf-sparse-3"):
         load_shard(tmp_path / "x.safetensors")
