@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.environment.room import Room
-from reflest_core.inference.explained_light import Explanation, explain
+from reflest_core.inference.material import Explanation, explain
 from reflest_core.inference.transport.ward_lobe import ROUGHNESSES
+from reflest_core.surface.selection import keep_views
 from reflest_core.synbrdf.lights.environments import find_environments, load_environment, rotated
 from reflest_core.synbrdf.relit.scene_light import scene_light
 from reflest_core.synbrdf.scenes.scene_file import load_scenes
-from reflest_core.training.data.augmentation import keep_views
 
 LEAST = 0.02
 """Albedos below it count as it in logarithms."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf import srgb
-from reflest_core.inference.explained_light import explain
+from reflest_core.inference.material import explain
 from reflest_core.light.equirectangular import equirectangular_directions
 from reflest_core.light.octahedral import octahedral_texels
 from reflest_core.synbrdf.lights.environments import find_environments, load_environment, rotated

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.lab import LUMINANCE_WEIGHTS
-from reflest_core.inference.explained_light import explain
+from reflest_core.inference.material import explain
 from reflest_core.light.completion import complete, halved_to
 from reflest_core.light.light_map import ObservedLight
 from reflest_core.light.octahedral import octahedral_directions, octahedral_solid_angles

@@ -16,10 +16,15 @@ from reflest_core.brdf.parameters import SMALLEST_ALPHA
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.doubts import Evidence, doubts
 from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
+from reflest_core.estimation.material_map import MOST_MATERIALS, MaterialEstimate, MaterialMap
 from reflest_core.estimation.settings import EstimationSettings
-from reflest_core.models.predictor import Predictor
+from reflest_core.inference.light import infer_light, seen_light
+from reflest_core.inference.material import explain_material
+from reflest_core.models.predictor import Prediction, Predictor
 from reflest_core.surface.coverage import hemisphere_coverage
+from reflest_core.surface.extent import voxel_extent
 from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.surface.partition import Partition
 from reflest_core.surface.upright import upright
 
 
@@ -39,10 +44,70 @@ class Estimator:
     def estimate(
         self, surface: ObservedSurface, stamp_ns: int, frame_id: str, light_problem: str = ""
     ) -> BrdfEstimate:
-        """The surface's BRDF; raises :class:`NoEstimate` where too few voxels were observed.
+        """Estimate the BRDF of a surface of one material.
 
-        ``light_problem``: a doubt about the surface's light, or "".
+        Args:
+            surface: the scan, world frame.
+            stamp_ns: stamp of the keyframe's image.
+            frame_id: camera frame of that image.
+            light_problem: a warning about the surface's light, or "".
+
+        Raises:
+            NoEstimate: Too few voxels were observed.
         """
+        self._check_voxels(surface)
+        surface = upright(surface, self.settings.up)
+        prediction = self.predictor.predict(surface)
+        return self._published(surface, prediction, stamp_ns, frame_id, light_problem)
+
+    def materials(
+        self,
+        surface: ObservedSurface,
+        partition: Partition,
+        stamp_ns: int,
+        frame_id: str,
+        light_problem: str = "",
+    ) -> MaterialMap:
+        """Estimate the BRDF of each material of a scan, all in one light.
+
+        Args:
+            surface: the scan, world frame.
+            partition: its voxels to materials; materials of fewer than ``min_voxels`` observed
+                voxels get no estimate.
+            stamp_ns: stamp of the keyframe's image.
+            frame_id: camera frame of that image.
+            light_problem: a warning about the scene's light, or "".
+
+        Raises:
+            NoEstimate: Too few voxels were observed.
+        """
+        self._check_voxels(surface)
+        turned = upright(surface, self.settings.up)
+        light = None
+        if self.predictor.sees_light:
+            light = infer_light(turned, seen_light(turned), partition)
+        materials = []
+        for material_id, part in partition.parts(turned):
+            if int((part.observation_counts > 0).sum()) < self.settings.min_voxels:
+                continue
+            found = None if light is None else explain_material(light, material_id)
+            prediction = self.predictor.predict(part, found)
+            estimate = self._published(part, prediction, stamp_ns, frame_id, light_problem)
+            materials.append(self._material(material_id, surface, partition, estimate))
+        materials.sort(key=lambda material: (-material.area, material.id))
+        rho_d, stddev = _albedo_of_voxels(surface, partition, materials)
+        return MaterialMap(
+            stamp_ns,
+            frame_id,
+            surface,
+            partition,
+            tuple(materials[:MOST_MATERIALS]),
+            rho_d,
+            stddev,
+            light,
+        )
+
+    def _check_voxels(self, surface: ObservedSurface) -> None:
         observed = int((surface.observation_counts > 0).sum())
         if observed < self.settings.min_voxels:
             raise NoEstimate(
@@ -50,8 +115,30 @@ class Estimator:
                 f"{self.settings.min_voxels}: scan more of the object, or check the region of "
                 "interest and fusion.max_depth"
             )
-        surface = upright(surface, self.settings.up)
-        prediction = self.predictor.predict(surface)
+
+    @staticmethod
+    def _material(
+        material_id: int, surface: ObservedSurface, partition: Partition, estimate: BrdfEstimate
+    ) -> MaterialEstimate:
+        is_part = partition.ids_of(surface.voxel_keys) == material_id
+        extent = voxel_extent(surface.positions[is_part])
+        return MaterialEstimate(
+            material_id,
+            estimate,
+            extent.centroid,
+            extent.size,
+            extent.area,
+            int(is_part.sum()),
+        )
+
+    def _published(
+        self,
+        surface: ObservedSurface,
+        prediction: Prediction,
+        stamp_ns: int,
+        frame_id: str,
+        light_problem: str,
+    ) -> BrdfEstimate:
         ward = physical_ward(prediction.ward)
         red, green, blue, rho_s, alpha = ward.tolist()
         lightness, a, b, c, d = ward_to_labcd(ward).tolist()
@@ -116,3 +203,16 @@ def physical_ward(ward: NDArray[np.float64]) -> NDArray[np.float64]:
     alpha = max(float(ward[4]), SMALLEST_ALPHA)
     energy = max(float(rho_d.max()) + rho_s, 1.0)
     return np.array([*(rho_d / energy), rho_s / energy, alpha])
+
+
+def _albedo_of_voxels(
+    surface: ObservedSurface, partition: Partition, materials: list[MaterialEstimate]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """(V, 3) ``rho_d`` and its deviation: each voxel has its material's."""
+    ids = partition.ids_of(surface.voxel_keys)
+    rho_d = np.full((surface.voxel_count, 3), np.nan, np.float32)
+    stddev = rho_d.copy()
+    for material in materials:
+        rho_d[ids == material.id] = material.estimate.rho_d
+        stddev[ids == material.id] = material.estimate.rho_d_stddev
+    return rho_d, stddev

@@ -58,7 +58,7 @@ class InferredLight:
         return InferredLight(factors[:, :PATCHES].T, factors[:, PATCHES:].T, *scalars)
 
 
-def infer_light(
+def infer_from_shading(
     response: PatchResponse, colours: NDArray[np.float32], prior: LightPrior = BRIGHT
 ) -> InferredLight:
     """Explain diffuse ``colours`` (V, 3), linear; those at 1 say nothing."""

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.gloss import labcd_to_ward
+from reflest_core.inference.material import Explanation
 from reflest_core.light.light_knowledge import LightKnowledge, light_knowledge
 from reflest_core.models.grouplet import live as live_grouplet
 from reflest_core.models.hemicnn import live as live_hemicnn
@@ -38,8 +39,20 @@ LARGEST_LOG_VARIANCE = 3.0
 class LiveNetwork(Protocol):
     """A trained network together with the building of its features."""
 
-    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Scores:
-        """The parameters of the surface, from its ``voxels`` (N,), all observed."""
+    def scores(
+        self,
+        surface: ObservedSurface,
+        voxels: NDArray[np.int64],
+        found: Explanation | None = None,
+    ) -> Scores:
+        """Estimate the z-scored parameters of a surface.
+
+        Args:
+            surface: a scan, or a material's part of one.
+            voxels: (N,) indices of the voxels that the estimate rests on, all observed.
+            found: the material in the light of its scene, for networks that see light; None takes
+                the surface for a scene of one material.
+        """
 
 
 @dataclass(frozen=True)
@@ -81,14 +94,24 @@ class Predictor:
         self.voxels, self._sees_light = choice.voxels, choice.sees_light
         self.model_id = f"{model}/{digest[:12]}"
 
-    def predict(self, surface: ObservedSurface) -> Prediction:
-        """Estimate from the surface's chosen voxels; it needs at least one observed voxel."""
-        with one_blas_thread():
-            return self._predict(surface)
+    @property
+    def sees_light(self) -> bool:
+        """Whether the network estimates from the light around the surface too."""
+        return self._sees_light
 
-    def _predict(self, surface: ObservedSurface) -> Prediction:
+    def predict(self, surface: ObservedSurface, found: Explanation | None = None) -> Prediction:
+        """Estimate from the surface's chosen voxels.
+
+        Args:
+            surface: at least one voxel was observed.
+            found: see :meth:`LiveNetwork.scores`.
+        """
+        with one_blas_thread():
+            return self._predict(surface, found)
+
+    def _predict(self, surface: ObservedSurface, found: Explanation | None) -> Prediction:
         voxels = choose_voxels(surface, self.voxels)
-        scores = self.network.scores(surface, voxels)
+        scores = self.network.scores(surface, voxels, found)
         values = self.card.output_statistics.restore(scores.means.astype(np.float64))
         ward = labcd_to_ward(values) if self.card.parameters == "labcd" else values
         if not self._sees_light:

@@ -7,11 +7,13 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from reflest_core.inference.material import Explanation
 from reflest_core.models.grouplet.grouplets import NODES_PER_VOXEL, draw_grouplets
 from reflest_core.models.grouplet.live import SEED
 from reflest_core.models.grouplet.network import Grouplet
@@ -37,6 +39,19 @@ LIVE_DRAW = FeatureDraw(SEED)
 """How an estimate draws, always."""
 
 
+class Features(Protocol):
+    """Builds a network's inputs."""
+
+    def __call__(
+        self,
+        surface: ObservedSurface,
+        voxels: NDArray[np.int64],
+        draw: FeatureDraw,
+        found: Explanation | None = None,
+    ) -> Inputs:
+        """Build the inputs of a surface at chosen voxels, unbatched."""
+
+
 @dataclass(frozen=True)
 class NetworkKind:
     """``features`` of a surface at chosen voxels are the arguments of ``make()``, unbatched.
@@ -45,11 +60,14 @@ class NetworkKind:
     """
 
     make: Callable[[], torch.nn.Module]
-    features: Callable[[ObservedSurface, NDArray[np.int64], FeatureDraw], Inputs]
+    features: Features
 
 
 def hemicnn_features(
-    surface: ObservedSurface, voxels: NDArray[np.int64], draw: FeatureDraw
+    surface: ObservedSurface,
+    voxels: NDArray[np.int64],
+    draw: FeatureDraw,
+    found: Explanation | None = None,
 ) -> Inputs:
     """Hemisphere images (N, 3, 10, 10)."""
     azimuths = np.full(len(voxels), draw.azimuth)
@@ -57,7 +75,10 @@ def hemicnn_features(
 
 
 def grouplet_features(
-    surface: ObservedSurface, voxels: NDArray[np.int64], draw: FeatureDraw
+    surface: ObservedSurface,
+    voxels: NDArray[np.int64],
+    draw: FeatureDraw,
+    found: Explanation | None = None,
 ) -> Inputs:
     """Branches (N nodes, 5, 12) and normals (N nodes, 3), 10 nodes a voxel unless drawn fewer."""
     drawn = draw_grouplets(surface, voxels, draw.seed, draw.nodes_per_voxel)
@@ -65,10 +86,13 @@ def grouplet_features(
 
 
 def lightnet_features(
-    surface: ObservedSurface, voxels: NDArray[np.int64], draw: FeatureDraw
+    surface: ObservedSurface,
+    voxels: NDArray[np.int64],
+    draw: FeatureDraw,
+    found: Explanation | None = None,
 ) -> Inputs:
     """The arrays of :class:`~reflest_core.models.lightnet.shading.Shading` that LightNet takes."""
-    look = surface_shading(surface, voxels)
+    look = surface_shading(surface, voxels, found)
     names = list(inspect.signature(LightNet.forward).parameters)[1:]
     return tuple(torch.from_numpy(np.ascontiguousarray(getattr(look, name))) for name in names)
 

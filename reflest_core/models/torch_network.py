@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.errors import ReflestError
+from reflest_core.inference.material import Explanation
 from reflest_core.models.quantisation import Tensors
 from reflest_core.models.scores import Scores
 from reflest_core.surface.observed_surface import ObservedSurface
@@ -42,12 +43,17 @@ class TorchNetwork:
         self._module.load_state_dict({n: torch.from_numpy(t) for n, t in tensors.items()})
         self._module.to(device).eval()
 
-    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Scores:
+    def scores(
+        self,
+        surface: ObservedSurface,
+        voxels: NDArray[np.int64],
+        found: Explanation | None = None,
+    ) -> Scores:
         """The parameters of the surface, from the features of ``voxels``."""
         from reflest_core.models.registry import LIVE_DRAW
 
         torch = self._torch
-        inputs = self._kind.features(surface, voxels, LIVE_DRAW)
+        inputs = self._kind.features(surface, voxels, LIVE_DRAW, found)
         exact = torch.backends.cudnn.flags(
             enabled=True, benchmark=False, deterministic=True, allow_tf32=False
         )

@@ -54,6 +54,11 @@ class ObservedSurface:
         return len(self.positions)
 
     @property
+    def voxel_keys(self) -> NDArray[np.int64]:
+        """(V,) int64, distinct: :attr:`keys`, or the voxels' indices where there are none."""
+        return np.arange(self.voxel_count) if self.keys is None else self.keys
+
+    @property
     def observation_counts(self) -> NDArray[np.int64]:
         """(V,) observations of each voxel."""
         return np.diff(self.offsets)

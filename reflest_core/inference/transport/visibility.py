@@ -15,15 +15,13 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from reflest_core.inference.transport.patch_grid import EDGE, PATCHES, patches_of_texels
 from reflest_core.jit import compiled, kernel_array
 from reflest_core.light.cosine_weights import SIZE
 from reflest_core.light.octahedral import octahedral_texel
+from reflest_core.surface.extent import NEIGHBOURS, surfel_areas
 
-NEIGHBOURS = 6
-"""Discs' areas come from the distance to so many neighbours."""
 LEAST_SHARE = 1e-3
 """Of the hemisphere, weighted by cosine: patches that show less of it are not hidden further."""
 FLATTEST = 0.05
@@ -70,9 +68,7 @@ class Occluders:
         """Of voxels spread over all of the surface; of very few there is nothing to hide."""
         if len(positions) <= NEIGHBOURS:
             return Occluders(positions[:0], normals[:0], np.zeros(0, np.float32), own)
-        distances, _ = cKDTree(positions).query(positions, k=NEIGHBOURS + 1)
-        areas = math.pi * distances[:, -1] ** 2 / NEIGHBOURS
-        return Occluders(positions, normals, areas.astype(np.float32), own)
+        return Occluders(positions, normals, surfel_areas(positions), own)
 
     def sight(
         self,

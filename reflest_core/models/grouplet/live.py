@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.inference.material import Explanation
 from reflest_core.jit import compiled
 from reflest_core.models.dense_layer import DenseLayer
 from reflest_core.models.grouplet.grouplets import (
@@ -69,8 +70,16 @@ class LiveGrouplet:
         self._regressor = [DenseLayer.of(tensors, f"regressor.{n}") for n in (0, 2, 4)]
         self._workspaces = [_Workspace() for _ in range(threads)]
 
-    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Scores:
-        """The parameters of the surface, from ten grouplets of each of ``voxels``."""
+    def scores(
+        self,
+        surface: ObservedSurface,
+        voxels: NDArray[np.int64],
+        found: Explanation | None = None,
+    ) -> Scores:
+        """The parameters of the surface, from ten grouplets of each of ``voxels``.
+
+        The network sees no light: ``found`` changes nothing.
+        """
         return Scores(self.evaluate(draw_grouplets(surface, voxels, SEED)))
 
     def evaluate(self, drawn: Grouplets) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from reflest_core.inference.material import Explanation
 from reflest_core.models.dense_layer import DenseLayer
 from reflest_core.models.hemicnn.hemisphere_images import hemisphere_images
 from reflest_core.models.quantisation import Tensors
@@ -43,8 +44,16 @@ class LiveHemiCNN:
         self._fc2 = DenseLayer.of(tensors, "fc2")
         self._fc3 = DenseLayer.of(tensors, "fc3")
 
-    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Scores:
-        """The parameters of the surface, from the hemisphere images of ``voxels``."""
+    def scores(
+        self,
+        surface: ObservedSurface,
+        voxels: NDArray[np.int64],
+        found: Explanation | None = None,
+    ) -> Scores:
+        """The parameters of the surface, from the hemisphere images of ``voxels``.
+
+        The network sees no light: ``found`` changes nothing.
+        """
         return Scores(self.evaluate(hemisphere_images(surface, voxels)))
 
     def evaluate(self, images: Array) -> Array:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.inference.material import Explanation
 from reflest_core.models.dense_layer import DenseLayer
 from reflest_core.models.lightnet.shading import Shading
 from reflest_core.models.lightnet.shapes import FOUND_STRENGTHS
@@ -43,9 +44,14 @@ class LiveLightNet:
         self._roughness_head = DenseLayer.of(tensors, "roughness_head")
         self._found_scale = tensors["found_scale"]
 
-    def scores(self, surface: ObservedSurface, voxels: NDArray[np.int64]) -> Scores:
-        """What the shading of ``voxels`` tells, under the light that the surface was seen in."""
-        return Scores(*self.evaluate(surface_shading(surface, voxels)))
+    def scores(
+        self,
+        surface: ObservedSurface,
+        voxels: NDArray[np.int64],
+        found: Explanation | None = None,
+    ) -> Scores:
+        """Estimate from the shading of ``voxels``; see :class:`~.predictor.LiveNetwork`."""
+        return Scores(*self.evaluate(surface_shading(surface, voxels, found)))
 
     def evaluate(self, look: Shading) -> tuple[Array, Array]:
         """Means and log variances, (5,) each, of the z-scored parameters."""

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.inference.explained_light import Explanation
 from reflest_core.inference.gloss_fit import SURE, GlossFit
 from reflest_core.inference.light_from_shading import InferredLight
+from reflest_core.inference.material import Explanation
 from reflest_core.inference.material_fit import MaterialFit
 from reflest_core.inference.transport.irradiance import DARKEST, weighted_radiance
 from reflest_core.inference.transport.reflected_detail import DETAIL_STATISTICS
@@ -41,8 +41,9 @@ class SceneStatistics:
     of_all: Array
 
 
-def scene_statistics(surface: ObservedSurface, found: Explanation) -> SceneStatistics:
-    """Gather what the explanation of ``surface`` says; no number depends on where +x points."""
+def scene_statistics(found: Explanation) -> SceneStatistics:
+    """Gather what the explanation of a material says; no number depends on where +x points."""
+    surface = found.surface
     filled, whole = (
         weighted_radiance(light, found.incoming) for light in (found.filled, found.light)
     )

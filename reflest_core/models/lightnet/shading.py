@@ -9,21 +9,18 @@ strength matters: with the true light, an observation of Eq. 1 satisfies, in eve
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.inference.explained_light import explain
+from reflest_core.inference.material import Explanation
 from reflest_core.inference.transport.irradiance import DARKEST, incoming, weighted_radiance
 from reflest_core.inference.transport.ward_lobe import lobe_radiance
 from reflest_core.light.cosine_weights import cosine_weights
-from reflest_core.light.light_map import ObservedLight
 from reflest_core.models.lightnet.light_zones import light_zones
 from reflest_core.models.lightnet.lobe_fit import fit_lobes
 from reflest_core.models.lightnet.scene_statistics import scene_statistics
-from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.surface_sample import sampled
 
 
@@ -64,20 +61,14 @@ class Shading:
     found_gloss: NDArray[np.float32]
 
 
-def shading(
-    surface: ObservedSurface,
-    light: ObservedLight,
-    voxels: NDArray[np.int64],
-    without: tuple[str, ...] = (),
-) -> Shading:
-    """What the light explains of the observations of ``voxels``, indices into ``surface``.
+def shading(found: Explanation, voxels: NDArray[np.int64]) -> Shading:
+    """Compare what was observed of voxels with what the light would do there.
 
-    ``without``: for ablations. "completion" leaves the light as pull and push filled it,
-    "visibility" lets the object hide nothing from itself.
+    Args:
+        found: the material and the light that it is in.
+        voxels: (V,) indices into the material's surface.
     """
-    found = explain(surface, light, "visibility" not in without)
-    if "completion" in without:
-        found = dataclasses.replace(found, light=found.filled)
+    surface = found.surface
     sample = sampled(surface, voxels)
     weights = cosine_weights(sample.normals)
     sight = found.occluders.sight(surface.positions[voxels], sample.normals, weights)
@@ -98,7 +89,7 @@ def shading(
         is_seen[..., None] * (1.0 - clipped),
         np.minimum(brightness / max(float(brightness.mean()), DARKEST), 1.0) ** 2,
     )
-    statistics = scene_statistics(surface, found)
+    statistics = scene_statistics(found)
     return Shading(
         is_seen=is_seen > 0.0,
         apparent=apparent,

@@ -4,36 +4,35 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.brdf import srgb
-from reflest_core.light.light_map import SIZE, ObservedLight
+from reflest_core.inference.light import seen_light
+from reflest_core.inference.material import Explanation, explain
 from reflest_core.models.lightnet.shading import Shading, shading
 from reflest_core.surface.observed_surface import ObservedSurface
 
-USUAL_ALBEDO = 0.25
-"""Mean diffuse albedo of SynBRDF's materials."""
-ASSUMED_COVERAGE = 1e-3
-"""Above 0, so that the assumed radiance counts; far below what any background shows."""
-
 
 def surface_shading(
-    surface: ObservedSurface, voxels: NDArray[np.int64], without: tuple[str, ...] = ()
+    surface: ObservedSurface,
+    voxels: NDArray[np.int64],
+    found: Explanation | None = None,
+    without: tuple[str, ...] = (),
 ) -> Shading:
-    """The shading of ``voxels`` by ``surface.light``; by :func:`assumed_light` if none was seen.
+    """Shade voxels by the light that the surface was seen in.
 
-    ``without``: see :func:`~reflest_core.models.lightnet.shading.shading`.
+    Args:
+        surface: a scan, or a material's part of one.
+        voxels: (V,) indices into ``surface``.
+        found: the surface as a material in the light of its scene; None explains it as a scene of
+            one material by ``surface.light``, or by :func:`~.light.assumed_light` if none was seen.
+        without: ablations. "completion" leaves the light smoothly filled where it was not seen,
+            "visibility" lets the surface hide no light from itself.
     """
-    light = surface.light
-    if light is None or not light.coverage.any():
-        light = assumed_light(surface)
-    return shading(surface, light, voxels, without)
-
-
-def assumed_light(surface: ObservedSurface) -> ObservedLight:
-    """Grey light from everywhere, as strong as would make the surface of usual albedo."""
-    brightness = float(srgb.LINEAR[surface.colours].mean()) if len(surface.colours) else 0.0
-    radiance = np.full((SIZE, SIZE, 3), brightness / USUAL_ALBEDO, np.float32)
-    coverage = np.full((SIZE, SIZE), ASSUMED_COVERAGE, np.float32)
-    return ObservedLight(radiance, coverage, np.zeros((SIZE, SIZE, 3), np.float32))
+    if found is None:
+        found = explain(surface, seen_light(surface), "visibility" not in without)
+    if "completion" in without:
+        found = dataclasses.replace(found, light=found.filled)
+    return shading(found, voxels)

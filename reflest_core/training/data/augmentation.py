@@ -7,11 +7,6 @@ from __future__ import annotations
 import dataclasses
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
-from reflest_core.surface.observed_surface import ObservedSurface
-
 
 @dataclasses.dataclass(frozen=True)
 class Augmentation:
@@ -28,17 +23,3 @@ class Augmentation:
     spread: bool = True
     azimuth: float = math.pi / 6
     channel_swap: bool = True
-
-
-def keep_views(surface: ObservedSurface, views: NDArray[np.int64]) -> ObservedSurface:
-    """The surface as it was seen from only the views of the given indices."""
-    kept = np.zeros(len(surface.view_centres), np.bool_)
-    kept[views] = True
-    seen = kept[surface.view_indices]
-    running = np.concatenate([[0], np.cumsum(seen)])
-    return dataclasses.replace(
-        surface,
-        offsets=running[surface.offsets],
-        colours=surface.colours[seen],
-        view_indices=surface.view_indices[seen],
-    )

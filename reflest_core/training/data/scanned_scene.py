@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from reflest_core.light.exposure_correction import at_one_exposure, means_at_one_exposure
 from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.surface.selection import keep_views
 from reflest_core.synbrdf.relit.scene_light import Background, light_and_gains, scene_light
 from reflest_core.synbrdf.scenes.scene_file import SynbrdfScene
-from reflest_core.training.data.augmentation import keep_views
 
 
 def scanned(

@@ -88,7 +88,7 @@ def shaded(
     voxels = choose_voxels(surface, MODELS["lightnet"].voxels)
     if len(voxels) < FEWEST_VOXELS:
         return None
-    return surface_shading(surface, voxels, without)
+    return surface_shading(surface, voxels, without=without)
 
 
 def _parted(

@@ -6,10 +6,10 @@ import dataclasses
 
 import numpy as np
 
-from reflest_core.inference.explained_light import completed
 from reflest_core.inference.gloss_fit import GlossFit
+from reflest_core.inference.light import complete_by
 from reflest_core.inference.light_from_reflections import infer_light_by_gloss
-from reflest_core.inference.light_from_shading import infer_light
+from reflest_core.inference.light_from_shading import infer_from_shading
 from reflest_core.inference.transport.irradiance import incoming, mean_radiance
 from reflest_core.inference.transport.light_patches import LightParts, diffuse_response
 from reflest_core.inference.transport.reflected_patches import reflection
@@ -19,7 +19,7 @@ from reflest_core.light.cosine_weights import cosine_weights
 from reflest_core.light.light_map import SIZE, ObservedLight
 from reflest_core.light.octahedral import octahedral_directions
 from reflest_core.surface.surface_sample import SurfaceSample
-from test.core.features.light.glossy_ball import ball, known, seen_below
+from test.core.inference.glossy_ball import ball, known, seen_below
 
 ALBEDO = np.array([0.12, 0.08, 0.05])
 ROUGHNESS = 4
@@ -85,7 +85,7 @@ def test_gloss_tells_the_albedo_under_unseen_light():
     np.testing.assert_allclose(whole.albedo, ALBEDO, rtol=0.25)
     darkest = np.full((len(sample.normals), 3), 1.0, np.float32)
     np.minimum.at(darkest, sample.voxel_of, sample.colours)
-    shading_alone = infer_light(response, darkest)
+    shading_alone = infer_from_shading(response, darkest)
     error, without = (
         np.abs(np.log(found.albedo / ALBEDO)).max() for found in (whole, shading_alone)
     )
@@ -97,7 +97,7 @@ def test_the_unseen_window_is_found():
     truth = mean_radiance(complete(known(sky())), sample.normals)[:, :3]
     before, after = (
         np.abs(np.log(mean_radiance(pyramid, sample.normals)[:, :3] / truth)).mean()
-        for pyramid in (filled, completed(light, filled, whole))
+        for pyramid in (filled, complete_by(light, filled, whole))
     )
     assert after < 0.4 * before
 
@@ -142,7 +142,7 @@ def test_what_is_clipped_asks_for_no_less_light():
         of = sample.normals[sample.voxel_of]
         mirrored = reflection(filled, ROUGHNESS, of, sample.directions)
         (found,) = infer_light_by_gloss(sample, response, mirrored, told(0.0), np.full(3, 0.3))
-        sky = mean_radiance(completed(light, filled, found), normals[-1:])[0, 0]
+        sky = mean_radiance(complete_by(light, filled, found), normals[-1:])[0, 0]
         above.append(float(found.albedo[0] * sky))
     bound, without = above
     assert bound > 0.7

@@ -5,8 +5,8 @@
 import numpy as np
 import pytest
 
-from reflest_core.inference.explained_light import completed
-from reflest_core.inference.light_from_shading import infer_light
+from reflest_core.inference.light import complete_by
+from reflest_core.inference.light_from_shading import infer_from_shading
 from reflest_core.inference.light_prior import BRIGHT, DIM, HUE
 from reflest_core.inference.transport.irradiance import incoming, mean_radiance
 from reflest_core.inference.transport.light_patches import LightParts, diffuse_response
@@ -49,7 +49,7 @@ def colours_under(radiance):
 
 def inferred(observed, colours, prior=BRIGHT):
     filled = complete(observed)
-    found = infer_light(
+    found = infer_from_shading(
         diffuse_response(LightParts.of(observed, filled), incoming(cosine_weights(normals()))),
         colours,
         prior,
@@ -69,7 +69,7 @@ def test_a_clipped_lamp_regains_its_strength():
     observed = seen_as(radiance, np.ones((SIZE, SIZE), np.float32))
     filled, found = inferred(observed, colours)
     assert error_of(filled, truth) > 0.25
-    assert error_of(completed(observed, filled, found), truth) < 0.1
+    assert error_of(complete_by(observed, filled, found), truth) < 0.1
     np.testing.assert_allclose(found.albedo, ALBEDO, rtol=0.15)
 
 
@@ -79,7 +79,7 @@ def test_an_unseen_lamp_is_found_where_it_is():
     colours, truth = colours_under(radiance)
     observed = seen_as(radiance, (directions[..., 2] < 0.2).astype(np.float32))
     filled, found = inferred(observed, colours)
-    light = completed(observed, filled, found)
+    light = complete_by(observed, filled, found)
     assert error_of(light, truth) < 0.5 * error_of(filled, truth)
     brightest = np.unravel_index(light.levels[0][..., 0].argmax(), (SIZE, SIZE))
     assert directions[brightest] @ np.array([0.6, 0.0, 0.8]) > 0.7
@@ -113,7 +113,7 @@ def test_a_table_top_is_as_light_as_its_unseen_sky_is_taken_for_dim():
     filled = complete(observed)
     response = diffuse_response(LightParts.of(observed, filled), incoming(cosine_weights(up)))
     bright, dim = (
-        infer_light(response, np.full((50, 3), 0.5, np.float32), prior).albedo
+        infer_from_shading(response, np.full((50, 3), 0.5, np.float32), prior).albedo
         for prior in (BRIGHT, DIM)
     )
     assert (dim > 1.5 * bright).all()
@@ -157,4 +157,4 @@ def test_black_and_clipped_surfaces_say_nothing_and_break_nothing(colour):
 def test_no_light_at_all_breaks_nothing():
     dark = seen_as(sky(), np.zeros((SIZE, SIZE), np.float32))
     filled, found = inferred(dark, np.full((400, 3), 0.5, np.float32))
-    assert np.isfinite(completed(dark, filled, found).levels[0]).all()
+    assert np.isfinite(complete_by(dark, filled, found).levels[0]).all()

@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from reflest_core.inference.material import explain
 from reflest_core.light.light_map import SIZE, LightMap
 from reflest_core.light.octahedral import octahedral_solid_angles, octahedral_texel
 from reflest_core.light.turned_light import turned_light
@@ -67,7 +68,7 @@ def test_a_lying_world_gives_the_shading_of_the_z_up_world():
     voxels = np.arange(0, 300, 7)
     raised = upright(lying, (0.0, -1.0, 0.0))
     expected, found, forgotten = (
-        shading(*scene, voxels).diffuse_light
+        shading(explain(*scene), voxels).diffuse_light
         for scene in ((standing, standing.light), (raised, raised.light), (raised, lying.light))
     )
     # Turning looks each texel up among the old ones: a little is lost where what was seen ends, and

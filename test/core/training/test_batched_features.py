@@ -10,9 +10,10 @@ import torch
 
 from reflest_core.models.grouplet.grouplets import DRAWN_FROM, draw_grouplets
 from reflest_core.models.hemicnn.hemisphere_images import hemisphere_images
+from reflest_core.surface.selection import keep_views
 from reflest_core.surface.tangent_frame import tangent_frame
 from reflest_core.surface.voxel_choice import choose_voxels
-from reflest_core.training.data.augmentation import Augmentation, keep_views
+from reflest_core.training.data.augmentation import Augmentation
 from reflest_core.training.data.sample import Sample
 from reflest_core.training.surface import batched_hemispheres as hemispheres
 from reflest_core.training.surface import spread_voxels as spread

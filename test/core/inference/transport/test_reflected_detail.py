@@ -11,7 +11,7 @@ from reflest_core.inference.transport.reflected_detail import CELLS, LEAST, refl
 from reflest_core.light.light_map import SIZE
 from reflest_core.light.octahedral import octahedral_directions
 from reflest_core.surface.observed_surface import ObservedSurface
-from test.core.features.light.glossy_ball import ball
+from test.core.inference.glossy_ball import ball
 
 FAR = 1e4
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from reflest_core.inference.explained_light import explain
+from reflest_core.inference.material import explain
 from reflest_core.inference.transport.irradiance import incoming, mean_radiance
 from reflest_core.inference.transport.light_patches import LightParts, diffuse_response
 from reflest_core.inference.transport.patch_grid import (
@@ -23,7 +23,7 @@ from reflest_core.light.completion import complete
 from reflest_core.light.cosine_weights import cosine_weights
 from reflest_core.light.light_map import SIZE, ObservedLight
 from reflest_core.light.octahedral import octahedral_directions, octahedral_texels
-from test.core.features.light.glossy_ball import ball, seen_below
+from test.core.inference.glossy_ball import ball, seen_below
 from test.core.surfaces import sphere_surface
 
 OWN = np.array([0.4, 0.2, 0.1], np.float32)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import torch
 
+from reflest_core.inference.material import explain
 from reflest_core.light.light_map import LightMap
 from reflest_core.models.lightnet.live import LiveLightNet
 from reflest_core.models.lightnet.network import VOXELS, LightNet
@@ -33,7 +34,7 @@ def look_at(voxels, seed=0):
         rng.integers(0, 256, (int((directions[:, 2] < 0.5).sum()), 3)).astype(np.uint8),
     )
     surface = sphere_surface(voxels=300, views=40)
-    return shading(surface, light.observed(), choose_voxels(surface, voxels))
+    return shading(explain(surface, light.observed()), choose_voxels(surface, voxels))
 
 
 def batched(look, padding):

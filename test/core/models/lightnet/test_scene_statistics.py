@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from reflest_core.inference import light_prior
-from reflest_core.inference.explained_light import explain
+from reflest_core.inference.material import explain
 from reflest_core.light.light_map import SIZE, ObservedLight
 from reflest_core.light.octahedral import octahedral_directions
 from reflest_core.models.lightnet.normal_bands import BANDS
@@ -33,7 +33,7 @@ def lit_room(colour=(0.5, 0.4, 0.3)):
 
 
 def statistics(surface, light):
-    return scene_statistics(surface, explain(surface, light))
+    return scene_statistics(explain(surface, light))
 
 
 @pytest.fixture(scope="module")

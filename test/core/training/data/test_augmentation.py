@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import torch
 
-from reflest_core.training.data.augmentation import Augmentation, keep_views
+from reflest_core.surface.selection import keep_views
+from reflest_core.training.data.augmentation import Augmentation
 from reflest_core.training.data.sample import Sample
 from reflest_core.training.surface.drawn_scenes import SceneDrawer, about_vertical
 from reflest_core.training.surface.packed_scenes import PackedScenes

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import torch
 
-from reflest_core.inference.explained_light import explain
+from reflest_core.inference.light import assumed_light
+from reflest_core.inference.material import explain
 from reflest_core.models.lightnet.scene_statistics import scene_statistics
-from reflest_core.models.lightnet.surface_shading import assumed_light
 from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.light.ablation import PARTS, check_parts
 from reflest_core.training.light.light_batches import whole_looks
@@ -86,8 +86,8 @@ def test_without_completion_just_what_comes_with_it_is_hidden(looks):
         )
         for misfit in (misfits, misfits[::-1])  # that of the best roughness is always 0
     ]
-    before = scene_statistics(surface, found)
-    changed = [scene_statistics(surface, other) for other in others]
+    before = scene_statistics(found)
+    changed = [scene_statistics(other) for other in others]
     whole, rest = without(looks, "completion")
     for name, differs in (
         (

@@ -7,6 +7,7 @@ import pytest
 
 from reflest_core.brdf import srgb
 from reflest_core.brdf.albedo import specular_albedo
+from reflest_core.inference.material import explain
 from reflest_core.inference.transport.irradiance import mean_radiance
 from reflest_core.inference.transport.ward_lobe import ROUGHNESSES, lobe_radiance
 from reflest_core.light.completion import complete
@@ -135,7 +136,7 @@ def test_a_lambertian_surface_appears_as_its_albedo_wherever_it_is_seen():
     albedo = np.array([0.7, 0.3, 0.5])
     counts = np.array([3, 0, OBSERVATIONS + 20, 1])
     surface = lambertian_surface(albedo, GREY, counts)
-    features = shading(surface, light_of(uniform()), np.arange(4))
+    features = shading(explain(surface, light_of(uniform())), np.arange(4))
     assert features.is_seen.sum(axis=1).tolist() == [3, 0, OBSERVATIONS, 1]
     np.testing.assert_allclose(
         features.apparent[features.is_seen], np.broadcast_to(albedo, (16, 3)), atol=0.02

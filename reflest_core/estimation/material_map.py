@@ -1,0 +1,107 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The materials of everything that was scanned, and the light that they share."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_core.inference.light import SceneLight
+from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.surface.partition import Partition
+
+MAP_SCHEMA_VERSION = 1
+MOST_MATERIALS = 256
+"""Materials of a map at most, the largest; the message is bounded by the same number."""
+
+
+@dataclass(frozen=True)
+class MaterialEstimate:
+    """One material of a scan; its fields are those of ``reflest_ros/msg/Material``.
+
+    Attributes:
+        id: stable from keyframe to keyframe, never used again within a scan.
+        estimate: the BRDF.
+        centroid: (3,) mean position of its voxels, world frame, metres.
+        extent: (3,) edges of their axis-aligned bounding box, metres.
+        area: of its surface, square metres.
+        voxel_count: voxels of the material.
+        photometric_error: RMS difference between what was observed and the estimate rendered in
+            the published light, in linear colour over the material's mean; NaN where unknown.
+    """
+
+    id: int
+    estimate: BrdfEstimate
+    centroid: tuple[float, float, float]
+    extent: tuple[float, float, float]
+    area: float
+    voxel_count: int
+    photometric_error: float = math.nan
+
+    def to_json(self) -> dict[str, Any]:
+        """Message field names to JSON values; NaN becomes null."""
+        error = self.photometric_error
+        return {
+            "id": self.id,
+            "estimate": self.estimate.to_json(),
+            "centroid": list(self.centroid),
+            "extent": list(self.extent),
+            "area": self.area,
+            "voxel_count": self.voxel_count,
+            "photometric_error": None if math.isnan(error) else error,
+        }
+
+
+@dataclass(frozen=True)
+class MaterialMap:
+    """All materials of a scan at one keyframe.
+
+    Attributes:
+        stamp_ns: stamp of the keyframe's image.
+        frame_id: camera frame of that image.
+        surface: the V voxels that the map is of, world frame.
+        partition: their keys to material ids.
+        materials: estimates in falling order of area, at most :data:`MOST_MATERIALS`.
+        rho_d: (V, 3) float32, each voxel's diffuse albedo, linear sRGB; NaN where unknown.
+        rho_d_stddev: (V, 3) float32, its standard deviation; NaN where unknown.
+        light: inferred from all materials; None from networks that see no light.
+    """
+
+    stamp_ns: int
+    frame_id: str
+    surface: ObservedSurface
+    partition: Partition
+    materials: tuple[MaterialEstimate, ...]
+    rho_d: NDArray[np.float32]
+    rho_d_stddev: NDArray[np.float32]
+    light: SceneLight | None = None
+
+    @property
+    def material_ids(self) -> NDArray[np.uint32]:
+        """(V,) id of each voxel's material."""
+        return self.partition.ids_of(self.surface.voxel_keys)
+
+    def material(self, material_id: int) -> MaterialEstimate | None:
+        """The material of an id, None where there is none."""
+        return next((found for found in self.materials if found.id == material_id), None)
+
+    def of_voxels(self, name: str) -> NDArray[np.float32]:
+        """Spread a number of the materials' estimates over the voxels.
+
+        Args:
+            name: a scalar field of :class:`BrdfEstimate`, such as ``"alpha"``.
+
+        Returns:
+            (V,) float32; NaN for voxels of no material.
+        """
+        values = np.full(self.surface.voxel_count, np.nan, np.float32)
+        ids = self.material_ids
+        for found in self.materials:
+            values[ids == found.id] = getattr(found.estimate, name)
+        return values

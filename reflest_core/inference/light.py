@@ -1,0 +1,140 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The light of a scene: what was seen of it, completed by what all materials reflect."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from reflest_core.brdf import srgb
+from reflest_core.inference.evidence import MaterialEvidence, material_evidence, scene_occluders
+from reflest_core.inference.light_from_reflections import infer_light_by_gloss
+from reflest_core.inference.light_from_shading import InferredLight, infer_from_shading
+from reflest_core.inference.light_prior import BRIGHT, DIM
+from reflest_core.inference.transport.light_patches import LightParts, diffuse_response
+from reflest_core.inference.transport.patch_grid import patch_image
+from reflest_core.inference.transport.reflected_patches import reflection
+from reflest_core.inference.transport.visibility import Occluders
+from reflest_core.light.completion import LightPyramid, complete, levels_below
+from reflest_core.light.light_map import SIZE, ObservedLight
+from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.surface.partition import Partition
+from reflest_core.surface.surface_sample import sampled
+
+USED_OBSERVATIONS = 2
+"""Every second observation of the shaded voxels enters: all give hardly more, and take longer."""
+USUAL_ALBEDO = 0.25
+"""Mean diffuse albedo of SynBRDF's materials."""
+ASSUMED_COVERAGE = 1e-3
+"""Above 0, so that the assumed radiance counts; far below what any background shows."""
+
+Inferences = tuple[InferredLight, InferredLight, InferredLight]
+"""The light by diffuse colours, by observations with gloss, and by these with a dim prior."""
+
+
+@dataclass(frozen=True)
+class SceneLight:
+    """The light of a scene and what it was inferred from.
+
+    Attributes:
+        observed: what the background showed.
+        filled: that light, filled smoothly where it was not seen.
+        completed: that light with unseen and clipped parts as the materials' colours need them.
+        occluders: surfels of the scene that hide light from one another.
+        evidence: what each material's observations show, by material id.
+        inferred: the light that each material's observations give, by material id.
+    """
+
+    observed: ObservedLight
+    filled: LightPyramid
+    completed: LightPyramid
+    occluders: Occluders
+    evidence: Mapping[int, MaterialEvidence]
+    inferred: Mapping[int, Inferences]
+
+
+def infer_light(
+    surface: ObservedSurface,
+    observed: ObservedLight,
+    partition: Partition | None = None,
+    has_visibility: bool = True,
+) -> SceneLight:
+    """Infer the light of a scene from the light that was seen and from all materials.
+
+    Args:
+        surface: the scan, of which at least one voxel was observed.
+        observed: what the background showed of the light.
+        partition: voxels to materials; None takes the whole surface for one material.
+        has_visibility: False takes the surface for convex, so that it hides nothing (an ablation).
+
+    Returns:
+        The light, completed by the material of the most voxels.
+    """
+    partition = Partition.whole(surface) if partition is None else partition
+    filled = complete(observed)
+    parts = LightParts.of(observed, filled)
+    occluders = scene_occluders(surface, has_visibility)
+    evidence = {
+        material_id: material_evidence(part, filled, occluders)
+        for material_id, part in partition.parts(surface)
+        if part.observation_counts.any()
+    }
+    inferred = {
+        material_id: _inferred(found, filled, parts) for material_id, found in evidence.items()
+    }
+    largest = max(evidence, key=lambda material_id: evidence[material_id].surface.voxel_count)
+    completed = complete_by(observed, filled, inferred[largest][1])
+    return SceneLight(observed, filled, completed, occluders, evidence, inferred)
+
+
+def seen_light(surface: ObservedSurface) -> ObservedLight:
+    """The light that a surface was seen in; :func:`assumed_light` where none of it was seen."""
+    light = surface.light
+    return assumed_light(surface) if light is None or not light.coverage.any() else light
+
+
+def assumed_light(surface: ObservedSurface) -> ObservedLight:
+    """Grey light from everywhere, as strong as would make the surface of usual albedo."""
+    brightness = float(srgb.LINEAR[surface.colours].mean()) if len(surface.colours) else 0.0
+    radiance = np.full((SIZE, SIZE, 3), brightness / USUAL_ALBEDO, np.float32)
+    coverage = np.full((SIZE, SIZE), ASSUMED_COVERAGE, np.float32)
+    return ObservedLight(radiance, coverage, np.zeros((SIZE, SIZE, 3), np.float32))
+
+
+def complete_by(
+    observed: ObservedLight, filled: LightPyramid, found: InferredLight
+) -> LightPyramid:
+    """Add to the light that was seen what was inferred of its unseen and clipped parts.
+
+    Args:
+        observed: the light that was seen.
+        filled: the same, filled smoothly.
+        found: factors to each unseen patch's fill and radiance above white of clipped ones.
+    """
+    fine = filled.levels[0]
+    size = len(fine)
+    bright = observed.radiance + patch_image(found.excess, size) * filled.excess
+    fill = fine[..., :3] * patch_image(found.unseen, size)
+    radiance = np.where(observed.coverage[..., None] > 0.0, bright, fill)
+    finest = np.concatenate([radiance, fine[..., 3:]], axis=-1).astype(np.float32)
+    return levels_below(finest, filled.excess)
+
+
+def _inferred(evidence: MaterialEvidence, filled: LightPyramid, parts: LightParts) -> Inferences:
+    response = diffuse_response(parts, evidence.incoming)
+    shading = infer_from_shading(response, evidence.colours)
+    used = sampled(evidence.surface, evidence.voxels).every(USED_OBSERVATIONS)
+    mirrored = reflection(
+        filled,
+        evidence.gloss.roughness,
+        used.normals[used.voxel_of],
+        used.directions,
+        evidence.sight.of(used.voxel_of),
+    )
+    bright, dim = infer_light_by_gloss(
+        used, response, mirrored, evidence.gloss, shading.albedo, (BRIGHT, DIM)
+    )
+    return shading, bright, dim
