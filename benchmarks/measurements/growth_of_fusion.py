@@ -24,7 +24,7 @@ RATE = 6.0
 REGIONS = {
     "object": REGION,
     "table top": RegionSettings("box", (0.0, 0.0, 0.15), (1.2, 1.2, 0.4)),
-    "none (up to max_depth)": RegionSettings(),
+    "none (within the work radius)": RegionSettings(),
 }
 FIRST_FRAMES = 2
 """Not counted: they find an empty scan."""

@@ -25,7 +25,9 @@ def measure(frames: int, budget_mb: float, voxel_size_mm: float) -> dict[str, An
     """
     warm_up()
     gc.collect()
-    settings = FusionSettings(voxel_size=voxel_size_mm / 1000.0, memory_budget_mb=budget_mb)
+    settings = FusionSettings(
+        voxel_size=voxel_size_mm / 1000.0, memory_budget_mb=budget_mb, work_radius=100.0
+    )
     before = resident_mb()
     scan = Scan(settings, RegionSettings())
     between, within = 0.0, 0.0

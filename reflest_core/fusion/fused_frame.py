@@ -12,32 +12,36 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class FusedFrame:
-    """What became of the frame, and what it cost.
+    """What became of a frame, and what it cost.
 
-    ``view``: the id of the view that the frame's observations belong to; None if it saw nothing.
-    ``is_new_view``: False where it only filled in what the stored view ``view`` had missed.
-    ``is_redundant``: it showed nothing that ``view`` had not (:mod:`redundancy`); the scan is as it
-    was, and the counts below are 0. ``foreground``, ``background``: (3,) float32, F and B of the
-    frame, mean 8-bit colour in [0, 255], NaN where unknown.
-
-    ``blocks_looked_at``: TSDF blocks whose voxels were projected. ``blocks_changed``: those
-    updated. ``surface_voxels``: found in them. ``voxels_seen``: those that the frame truly sees.
-    ``observations_kept``: observations added by it. The last three are 0 where ``view`` knew so
-    much of the frame that only its depth was fused.
-
-    ``is_light_alone``: it looked away from the object, and showed the light that falls on it.
+    Attributes:
+        stamp_ns: The image's stamp, nanoseconds.
+        frame_id: The camera's frame.
+        foreground: (3,) float32, mean 8-bit colour F of the frame in [0, 255]; NaN where unknown.
+        background: (3,) float32, the same for B.
+        view: Id of the view that the frame's observations belong to; None if it saw nothing.
+        is_new_view: False where the frame only added to the stored view ``view``.
+        is_redundant: It showed nothing that ``view`` had not (:mod:`.redundancy`); the scan is as
+            it was, and the counts are 0.
+        is_light_alone: It looked away from the surface and showed the light that falls on it.
+        blocks_looked_at: TSDF blocks whose voxels were projected.
+        blocks_changed: Blocks that were updated.
+        surface_voxels: Surface voxels found in them; this and the following counts are 0 where
+            ``view`` knew so much of the frame that only its depth was fused.
+        voxels_seen: Voxels that the frame truly sees.
+        observations_kept: Observations that it added.
     """
 
     stamp_ns: int
     frame_id: str
-    view: int | None
-    is_new_view: bool
-    is_redundant: bool
     foreground: NDArray[np.float32]
     background: NDArray[np.float32]
-    blocks_looked_at: int
-    blocks_changed: int
-    surface_voxels: int
-    voxels_seen: int
-    observations_kept: int
+    view: int | None = None
+    is_new_view: bool = False
+    is_redundant: bool = False
     is_light_alone: bool = False
+    blocks_looked_at: int = 0
+    blocks_changed: int = 0
+    surface_voxels: int = 0
+    voxels_seen: int = 0
+    observations_kept: int = 0

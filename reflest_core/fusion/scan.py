@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.errors import ReflestError
-from reflest_core.fusion.frames.background_light import background_pixels
+from reflest_core.fusion.frames.background_light import background_pixels, sampling_step
 from reflest_core.fusion.frames.foreground import classify_pixels
-from reflest_core.fusion.frames.object_in_sight import KnownObject
-from reflest_core.fusion.frames.region import Region
+from reflest_core.fusion.frames.region import Region, RegionShape
+from reflest_core.fusion.frames.sight import KnownSurface, refusal_without_surface
 from reflest_core.fusion.frames.visibility import visible_voxels
 from reflest_core.fusion.frames.window import cropped, object_window
+from reflest_core.fusion.frames.work_sphere import WorkSphere, without_holes
 from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.memory_budget import MemoryBudget
 from reflest_core.fusion.observations.colour_statistics import foreground_background_means
@@ -69,6 +70,7 @@ class Scan:
             ) from None
         self.views = ViewTable(budget.views)
         self.light = LightMap()
+        self.work_sphere = WorkSphere()
         self.frame_number = 0
         self.last_stamp_ns: int | None = None
         self.frame_id = ""
@@ -89,10 +91,17 @@ class Scan:
         self._clock_ns = None
 
     def fuse(self, frame: Frame) -> FusedFrame:
-        """Take a frame in; of one that looks away from the object, the light alone.
+        """Take a frame in; of one that looks away from the scanned surface, the light alone.
 
-        Raises :class:`FrameRefused` (``TIME_BACKWARDS``, ``DEPTH_EMPTY``, ``NO_OVERLAP``) before
-        anything has changed.
+        Args:
+            frame: A frame whose stamp is after that of the last one.
+
+        Returns:
+            What became of the frame.
+
+        Raises:
+            FrameRefused: ``TIME_BACKWARDS``, ``DEPTH_EMPTY`` or ``NO_OVERLAP``; nothing has
+                changed.
         """
         if self._clock_ns is not None and frame.stamp_ns <= self._clock_ns:
             raise FrameRefused(
@@ -100,37 +109,31 @@ class Scan:
                 f"the image stamp {frame.stamp_ns} ns is not after the last fused one "
                 f"({self._clock_ns} ns): reset the scan if the clock or the bag was restarted",
             )
-        whole, window = frame, object_window(frame, self.region)
+        whole, sphere, region = frame, self.work_sphere, self.region
+        if self._is_scene(whole):
+            sphere = sphere.updated(whole, self.fusion)
+            region = sphere.region(self.fusion)
+        window = object_window(whole, region)
         frame = cropped(whole, window)
-        pixels = classify_pixels(frame, self.region, self.fusion)
-        shows_object = bool(np.any(pixels.surface))
-        if not shows_object and not self._looks_away(whole):
-            raise self._refusal(whole)
+        pixels = classify_pixels(frame, region, self.fusion)
+        shows_surface = bool(np.any(pixels.surface))
+        if not shows_surface and not self._looks_away(whole):
+            radius = self.work_sphere.radius(self.fusion) if self.work_sphere.frames else 0.0
+            raise refusal_without_surface(whole, self.region, self.fusion, radius)
         is_foreground = np.zeros(whole.depth.shape, np.bool_)
         is_foreground[window.slices] = pixels.foreground
         self.last_stamp_ns = self._clock_ns = frame.stamp_ns
         self.frame_id, self.world_frame_id = frame.frame_id, frame.world_frame_id
-        if not shows_object:
+        if not shows_surface:
             return self._fuse_light(whole)
+        self.work_sphere = sphere
         foreground, background = foreground_background_means(whole.rgb, is_foreground)
+        fused = FusedFrame(frame.stamp_ns, frame.frame_id, foreground, background)
         known = known_frame(
             frame, pixels, self.store, self.views, self.fusion.voxel_size, self.fusion.view_spacing
         )
         if known is not None and self.views.frames[known.view] >= self.fusion.frames_per_view:
-            return FusedFrame(
-                frame.stamp_ns,
-                frame.frame_id,
-                known.view,
-                False,
-                True,
-                foreground,
-                background,
-                0,
-                0,
-                0,
-                0,
-                0,
-            )
+            return dataclasses.replace(fused, view=known.view, is_redundant=True)
         self.frame_number += 1
 
         # The surface: fuse the depth, then renew what the store knows of the blocks it changed.
@@ -139,22 +142,12 @@ class Scan:
         self.store.remove(erased)
         in_sight = self.volume.in_sight(near, frame, self.fusion.max_depth, self.frame_number)
         changed = self.volume.integrate(in_sight, frame, pixels, self.frame_number, threads)
+        fused = dataclasses.replace(
+            fused, blocks_looked_at=len(in_sight), blocks_changed=len(changed)
+        )
         if known is not None and known.share >= WELL_KNOWN_SHARE:
             self.views.frames[known.view] += 1
-            return FusedFrame(
-                frame.stamp_ns,
-                frame.frame_id,
-                known.view,
-                False,
-                False,
-                foreground,
-                background,
-                len(in_sight),
-                len(changed),
-                0,
-                0,
-                0,
-            )
+            return dataclasses.replace(fused, view=known.view)
         surface = self.volume.extract(changed, threads)
         self.store.move(surface.left, surface.left_to)
         stored = self.store.find(surface.keys, threads)
@@ -170,15 +163,8 @@ class Scan:
         )
         has_row = rows >= 0
         rows, colours, positions = rows[has_row], colours[has_row], positions[has_row]
-
-        # The light: the background's colours, in the directions in which the object sees them.
         if len(surface.positions):
-            centre = surface.positions.mean(axis=0, dtype=np.float64)
-            radius = float(np.sqrt(surface.positions.var(axis=0, dtype=np.float64).sum()))
-            self.light.add_frame(
-                *background_pixels(whole, is_foreground, whole.depth, centre, radius),
-                lambda: surface_shifts(self.store, self.views, rows, colours, frame.camera_centre),
-            )
+            self._add_light(whole, is_foreground, surface.positions, rows, colours)
         view, is_new_view, kept = None, False, 0
         if len(rows):
             near = self.views.near(
@@ -195,40 +181,62 @@ class Scan:
             view = self._add_view(frame, foreground, background) if is_new_view else int(near[0])
             self.views.frames[view] += 1
             kept = self.store.observe(rows[unseen], colours[unseen], view, self.views.centres)
-        return FusedFrame(
-            frame.stamp_ns,
-            frame.frame_id,
-            view,
-            is_new_view,
-            False,
-            foreground,
-            background,
-            len(in_sight),
-            len(changed),
-            len(surface.keys),
-            len(seen),
-            kept,
+        return dataclasses.replace(
+            fused,
+            view=view,
+            is_new_view=is_new_view,
+            surface_voxels=len(surface.keys),
+            voxels_seen=len(seen),
+            observations_kept=kept,
+        )
+
+    def _is_scene(self, frame: Frame) -> bool:
+        """Whether everything within the work sphere is scanned."""
+        return frame.mask is None and self.region.shape is RegionShape.NONE
+
+    def _add_light(
+        self,
+        frame: Frame,
+        is_foreground: NDArray[np.bool_],
+        positions: NDArray[np.float32],
+        rows: NDArray[np.int64],
+        colours: NDArray[np.uint8],
+    ) -> None:
+        """Add the background's colours, in the directions in which the surface sees them.
+
+        Args:
+            frame: The whole frame.
+            is_foreground: (H, W) pixels on the scanned surface.
+            positions: (V, 3) surface voxels of the changed blocks.
+            rows: (R,) rows of the store that the frame sees.
+            colours: (R, 3) 8-bit sRGB, their colours in this frame.
+        """
+        if self._is_scene(frame):
+            centre = np.array(self.work_sphere.centre)
+            radius = self.work_sphere.radius(self.fusion)
+            is_foreground = without_holes(frame.depth, is_foreground, sampling_step(frame))
+        else:
+            centre = positions.mean(axis=0, dtype=np.float64)
+            radius = float(np.sqrt(positions.var(axis=0, dtype=np.float64).sum()))
+        self.light.add_frame(
+            *background_pixels(frame, is_foreground, frame.depth, centre, radius),
+            lambda: surface_shifts(self.store, self.views, rows, colours, frame.camera_centre),
         )
 
     def _fuse_light(self, frame: Frame) -> FusedFrame:
-        """Keep what a frame beside the object shows of the light that falls on it."""
+        """Keep what a frame beside the surface shows of the light that falls on it."""
         nothing = np.zeros(frame.depth.shape, np.bool_)
-        known = self._known_object()
-        self.light.add_frame(
-            *background_pixels(frame, nothing, frame.depth, known.centre, known.radius)
-        )
+        if self._is_scene(frame):
+            centre = np.array(self.work_sphere.centre)
+            radius = self.work_sphere.radius(self.fusion)
+        else:
+            known = self._known_surface()
+            centre, radius = known.centre, known.radius
+        self.light.add_frame(*background_pixels(frame, nothing, frame.depth, centre, radius))
         return FusedFrame(
             frame.stamp_ns,
             frame.frame_id,
-            None,
-            False,
-            False,
             *foreground_background_means(frame.rgb, nothing),
-            0,
-            0,
-            0,
-            0,
-            0,
             is_light_alone=True,
         )
 
@@ -254,6 +262,7 @@ class Scan:
             "frame_id": self.frame_id,
             "world_frame_id": self.world_frame_id,
             "exposure_gain": self.light.gain,
+            "work_sphere": dataclasses.asdict(self.work_sphere),
         }
         arrays = {
             f"{part}_{name}": array[: stage.count]
@@ -293,6 +302,7 @@ class Scan:
             scan.last_stamp_ns = None if stamp_ns is None else int(stamp_ns)
             scan.frame_id = str(header.get("frame_id", ""))
             scan.world_frame_id = str(header.get("world_frame_id", ""))
+            scan.work_sphere = WorkSphere.from_json(header.get("work_sphere"))
             scan._clock_ns = scan.last_stamp_ns
         except (KeyError, TypeError, ValueError) as error:
             raise ScanFileError(f"{path} is a damaged scan file: {error}: save it again") from None
@@ -339,32 +349,11 @@ class Scan:
         )
 
     def _looks_away(self, frame: Frame) -> bool:
-        """Whether an object is known by now, and the frame shows what lies beside it."""
-        return self.store.count > 0 and not self._known_object().is_in_sight(frame)
+        """Whether a surface is known by now, and the frame shows what lies beside it."""
+        return self.store.count > 0 and not self._known_surface().is_in_sight(frame)
 
-    def _known_object(self) -> KnownObject:
-        return KnownObject.of(self.store.rows.positions[: self.store.count])
-
-    def _refusal(self, frame: Frame) -> FrameRefused:
-        """Why a frame without a pixel of the object is of no use."""
-        if _has_depth(frame):
-            return FrameRefused(RefusalCause.NO_OVERLAP, self._no_overlap_sentence(frame))
-        return FrameRefused(
-            RefusalCause.DEPTH_EMPTY,
-            f"{frame.depth_source} at {frame.stamp_ns / 1e9:.3f} s has no valid pixel: move the "
-            "camera into its depth range, or check the depth topic's encoding and unit",
-        )
-
-    def _no_overlap_sentence(self, frame: Frame) -> str:
-        within = f"within max_depth = {self.fusion.max_depth:g} m"
-        if frame.mask is not None:
-            return f"no pixel of the mask has clear depth {within}: check the mask topic"
-        if self.region.shape:
-            return (
-                f"no depth {within} lies in the region of interest: check the region's centre "
-                "and size and the pose's frame"
-            )
-        return f"no depth lies {within}: raise max_depth or move closer"
+    def _known_surface(self) -> KnownSurface:
+        return KnownSurface.of(self.store.rows.positions[: self.store.count])
 
     def _add_view(
         self,
@@ -379,7 +368,3 @@ class Scan:
         return self.views.put(
             frame.camera_centre, foreground, background, frame.stamp_ns, self.light.gain
         )
-
-
-def _has_depth(frame: Frame) -> bool:
-    return bool(np.any(np.isfinite(frame.depth) & (frame.depth > 0.0)))

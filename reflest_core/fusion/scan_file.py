@@ -14,13 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.errors import ReflestError
-from reflest_core.fusion.scan_upgrade import Arrays, upgraded
+from reflest_core.light.light_map import LightMap
 from reflest_core.whole_file import whole_file
+
+Arrays = dict[str, NDArray[Any]]
 
 FORMAT = "reflest-scan"
 VERSION = 4
 OLDER = (2, 3)
-"""Versions that :mod:`.scan_upgrade` makes into the newest."""
+"""Versions that are converted to the newest when they are read."""
 
 
 class ScanFileError(ReflestError):
@@ -44,9 +46,16 @@ def write_scan(path: Path, header: dict[str, Any], arrays: Mapping[str, NDArray[
 
 
 def read_scan(path: Path) -> tuple[dict[str, Any], Arrays]:
-    """Return the header and the arrays.
+    """Read a scan file of this or an older version.
 
-    Raises :class:`ScanFileError` for a file that is missing, damaged or of another version.
+    Args:
+        path: The file.
+
+    Returns:
+        The header and the arrays by name, as the newest version has them.
+
+    Raises:
+        ScanFileError: The file is missing, damaged or of another version.
     """
     try:
         with np.load(path, allow_pickle=False) as file:
@@ -60,7 +69,7 @@ def read_scan(path: Path) -> tuple[dict[str, Any], Arrays]:
                     f"{VERSION} and older: scan again or use the reflest that wrote it"
                 )
             arrays = {name: file[name] for name in file.files if name != "header"}
-            return upgraded(header, arrays)
+            return _upgraded(header, arrays)
     except FileNotFoundError:
         raise ScanFileError(f"there is no scan file {path}: check the path") from None
     except (OSError, EOFError, zipfile.BadZipFile, ValueError, KeyError, TypeError, AttributeError):
@@ -70,9 +79,18 @@ def read_scan(path: Path) -> tuple[dict[str, Any], Arrays]:
 
 
 def restore_rows(prefix: str, targets: Mapping[str, NDArray[Any]], arrays: Arrays) -> int:
-    """Copy the arrays named ``prefix`` + name into the first rows of ``targets``; return how many.
+    """Copy stored arrays into the first rows of arrays at full capacity.
 
-    Raises ``ValueError`` where an array is missing or does not fit.
+    Args:
+        prefix: Names in ``arrays`` are this and a name of ``targets``.
+        targets: The arrays to fill.
+        arrays: The stored arrays, all of the same length.
+
+    Returns:
+        How many rows were filled.
+
+    Raises:
+        ValueError: An array is missing or does not fit.
     """
     counts = set()
     for name, target in targets.items():
@@ -89,3 +107,21 @@ def restore_rows(prefix: str, targets: Mapping[str, NDArray[Any]], arrays: Array
     if len(counts) != 1:
         raise ValueError(f"arrays {prefix}* differ in length")
     return counts.pop()
+
+
+def _upgraded(header: dict[str, Any], arrays: Arrays) -> tuple[dict[str, Any], Arrays]:
+    """Header and arrays of the newest version; ``KeyError`` where the file is damaged.
+
+    Version 3 did not store in which channel light was clipped: in all, then. Version 2 had one
+    exposure only, and its first files no light.
+    """
+    if header["version"] == 2:
+        empty = {f"light_{name}": array for name, array in LightMap().arrays.items()}
+        arrays = empty | arrays
+        arrays["light_white"] = (arrays["light_count"] > 0.0).astype(np.float32)
+        arrays["views_gains"] = np.ones(len(arrays["views_stamps"]), np.float32)
+        header = header | {"exposure_gain": 1.0}
+    if header["version"] < 4 and arrays["light_clipped_count"].ndim == 2:
+        of_any = arrays["light_clipped_count"][..., None]
+        arrays = arrays | {"light_clipped_count": np.repeat(of_any, 3, axis=-1)}
+    return header, arrays

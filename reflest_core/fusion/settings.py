@@ -26,6 +26,14 @@ class FusionSettings:
     max_depth: float = parameter(
         3.0, "Depth beyond this is background.", unit="m", minimum=0.1, maximum=20.0
     )
+    work_radius: float = parameter(
+        0.0,
+        "Without a region of interest, what lies farther than this from the scan's centre is"
+        " background; 0: about twice the distance from the camera to what it looks at first.",
+        unit="m",
+        minimum=0.0,
+        maximum=100.0,
+    )
     memory_budget_mb: float = parameter(
         256.0, "Hard limit on volume and store together.", unit="MB", minimum=16.0, maximum=65536.0
     )

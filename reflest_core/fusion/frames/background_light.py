@@ -32,7 +32,7 @@ def background_pixels(
     ``foreground``: (H, W) bool. Directions: world frame, any length.
     """
     camera = frame.intrinsics
-    step = max(camera.width // ACROSS, 1)
+    step = sampling_step(frame)
     return _gather(
         kernel_array(frame.rgb, np.uint8),
         kernel_array(foreground, np.bool_),
@@ -46,6 +46,11 @@ def background_pixels(
         float(object_radius),
         step,
     )
+
+
+def sampling_step(frame: Frame) -> int:
+    """Pixels between two that are taken, along each axis; the first is at half a step."""
+    return max(frame.intrinsics.width // ACROSS, 1)
 
 
 @compiled

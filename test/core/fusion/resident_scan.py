@@ -48,7 +48,9 @@ def main(budget_mb: float) -> None:
     warm_up()
     gc.collect()
     before = resident_bytes()
-    scan = Scan(FusionSettings(memory_budget_mb=budget_mb, threads=2), RegionSettings())
+    scan = Scan(
+        FusionSettings(memory_budget_mb=budget_mb, threads=2, work_radius=100.0), RegionSettings()
+    )
     most, frames, stored = 0, FRAMES, []
     for n in range(FRAMES):
         fused = scan.fuse(wall_at(n))

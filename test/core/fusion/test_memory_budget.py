@@ -25,7 +25,11 @@ def test_reserved_bytes_use_the_budget_and_never_pass_it(budget_mb, observations
 
 def test_long_scan_in_a_small_budget_forgets_the_oldest_surface():
     settings = FusionSettings(
-        voxel_size=0.003, max_depth=1.0, memory_budget_mb=16.0, observations_per_voxel=255
+        voxel_size=0.003,
+        max_depth=1.0,
+        memory_budget_mb=16.0,
+        observations_per_voxel=255,
+        work_radius=10.0,
     )
     scan = Scan(settings, RegionSettings())
     reserved = scan.nbytes

@@ -11,7 +11,7 @@ from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.fusion.tsdf import volume as tsdf
 from test.core.fusion.analytic_scene import OBJECT, Sphere, look_at, orbit_frames, render
 
-SETTINGS = FusionSettings(max_depth=1.0)
+SETTINGS = FusionSettings(max_depth=1.0, work_radius=100.0)
 COUNTS = (
     "blocks_looked_at",
     "blocks_changed",

@@ -1,0 +1,106 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""What a frame without any surface to fuse is good for: light alone, or a refusal that says why."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.capture.frame import Frame
+from reflest_core.capture.refusal import FrameRefused, RefusalCause
+from reflest_core.fusion.frames.region import Region
+from reflest_core.fusion.settings import FusionSettings
+
+MOST_POSITIONS = 4096
+"""Voxels at most that stand for the surface."""
+MARGIN = 0.1
+"""Of the image's size: so near to its edge the surface counts as in sight."""
+
+
+@dataclass(frozen=True)
+class KnownSurface:
+    """What was scanned so far.
+
+    Attributes:
+        positions: (V, 3) float32, some of its surface voxels, world frame, metres.
+    """
+
+    positions: NDArray[np.float32]
+
+    @staticmethod
+    def of(positions: NDArray[np.float32]) -> KnownSurface:
+        """Thin the surface to :data:`MOST_POSITIONS` or a few more.
+
+        Args:
+            positions: (N, 3) all surface voxels, at least one.
+
+        Returns:
+            The thinned surface.
+        """
+        return KnownSurface(positions[:: max(len(positions) // MOST_POSITIONS, 1)])
+
+    @property
+    def centre(self) -> NDArray[np.float64]:
+        """(3,) mean position, world frame, metres."""
+        return np.asarray(self.positions.mean(axis=0, dtype=np.float64))
+
+    @property
+    def radius(self) -> float:
+        """Root mean square distance from the centre, metres."""
+        return float(np.sqrt(self.positions.var(axis=0, dtype=np.float64).sum()))
+
+    def is_in_sight(self, frame: Frame) -> bool:
+        """Whether any of it lies in the frame's field of view, hidden or not."""
+        camera, T = frame.intrinsics, frame.T_world_camera
+        x, y, z = ((self.positions - T[:3, 3]) @ T[:3, :3]).T
+        before = z > 0.0
+        u = camera.fx * x[before] / z[before] + camera.cx
+        v = camera.fy * y[before] / z[before] + camera.cy
+        across, down = MARGIN * camera.width, MARGIN * camera.height
+        inside = (u > -across) & (u < camera.width + across)
+        return bool((inside & (v > -down) & (v < camera.height + down)).any())
+
+
+def refusal_without_surface(
+    frame: Frame, region: Region, settings: FusionSettings, work_radius: float
+) -> FrameRefused:
+    """Explain why a frame without a pixel of the surface is of no use.
+
+    Args:
+        frame: The frame.
+        region: The region of interest.
+        settings: ``max_depth`` is named.
+        work_radius: Metres; 0 where there is no work sphere yet.
+
+    Returns:
+        The refusal, to be raised.
+    """
+    if not np.any(np.isfinite(frame.depth) & (frame.depth > 0.0)):
+        return FrameRefused(
+            RefusalCause.DEPTH_EMPTY,
+            f"{frame.depth_source} at {frame.stamp_ns / 1e9:.3f} s has no valid pixel: move the "
+            "camera into its depth range, or check the depth topic's encoding and unit",
+        )
+    within = f"within max_depth = {settings.max_depth:g} m"
+    if frame.mask is not None:
+        sentence = f"no pixel of the mask has clear depth {within}: check the mask topic"
+    elif region.shape:
+        sentence = (
+            f"no depth {within} lies in the region of interest: check the region's centre "
+            "and size and the pose's frame"
+        )
+    elif work_radius > 0.0 and _shows_depth(frame, settings.max_depth):
+        sentence = (
+            f"no depth {within} lies within {work_radius:.2g} m of the scan's centre: move back to "
+            "what was scanned first, raise work_radius or reset the scan"
+        )
+    else:
+        sentence = f"no depth lies {within}: raise max_depth or move closer"
+    return FrameRefused(RefusalCause.NO_OVERLAP, sentence)
+
+
+def _shows_depth(frame: Frame, max_depth: float) -> bool:
+    return bool(np.any((frame.depth > 0.0) & (frame.depth <= max_depth)))

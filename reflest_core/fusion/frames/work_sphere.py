@@ -1,0 +1,159 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The work sphere: what is scanned where there is neither a region of interest nor a mask.
+
+A pixel without depth, or whose point lies outside the sphere, is background: it shows light and is
+never fused. Centre and radius follow from the first :data:`EARLY_FRAMES` frames and then stay. Of
+each of them, the pixels of the middle of the image give a median depth and a median point; the
+centre is the mean of these points, and the automatic radius is :data:`RADII` times the mean of
+these depths.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.capture.frame import Frame
+from reflest_core.fusion.frames.region import Region, RegionShape
+from reflest_core.fusion.settings import FusionSettings
+
+EARLY_FRAMES = 10
+"""Fused frames after which the sphere stays as it is."""
+
+RADII = 2.0
+"""Automatic radius over the median distance from the camera to what it looks at."""
+
+STRIDE = 4
+"""Every fourth pixel along each axis is used."""
+
+
+@dataclass(frozen=True)
+class WorkSphere:
+    """A ball in the world frame.
+
+    Attributes:
+        centre: x, y, z in metres.
+        distance: Mean of the median depths of the early frames, metres.
+        frames: Frames that it was found from, at most :data:`EARLY_FRAMES`.
+    """
+
+    centre: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    distance: float = 0.0
+    frames: int = 0
+
+    @classmethod
+    def from_json(cls, stored: Any) -> WorkSphere:
+        """Read what ``dataclasses.asdict`` wrote; older files have none: an empty sphere.
+
+        Args:
+            stored: The fields by name, or None.
+
+        Returns:
+            The sphere.
+
+        Raises:
+            ValueError: A value is not a number within its range.
+        """
+        if stored is None:
+            return cls()
+        x, y, z = (float(value) for value in stored["centre"])
+        sphere = cls((x, y, z), float(stored["distance"]), int(stored["frames"]))
+        if not (np.isfinite([x, y, z, sphere.distance]).all() and sphere.distance >= 0.0):
+            raise ValueError("the work sphere is not finite")
+        return sphere
+
+    def updated(self, frame: Frame, settings: FusionSettings) -> WorkSphere:
+        """Take one more early frame into account.
+
+        Args:
+            frame: The next frame.
+            settings: ``max_depth`` limits which depth counts.
+
+        Returns:
+            The new sphere; the same one after the early frames, or where the frame has no depth.
+        """
+        if self.frames >= EARLY_FRAMES:
+            return self
+        found = _middle_of(frame, settings.max_depth)
+        if found is None:
+            return self
+        point, depth = found
+        count = self.frames + 1
+        before = np.array([*self.centre, self.distance])
+        x, y, z, distance = (before + (np.array([*point, depth]) - before) / count).tolist()
+        return WorkSphere((x, y, z), distance, count)
+
+    def radius(self, settings: FusionSettings) -> float:
+        """Radius in metres: ``work_radius``, or the automatic one where that is 0."""
+        return settings.work_radius if settings.work_radius > 0.0 else RADII * self.distance
+
+    def region(self, settings: FusionSettings) -> Region:
+        """The sphere as a region of interest; of no extent before the first frame."""
+        return Region(
+            RegionShape.SPHERE,
+            np.array(self.centre, np.float64),
+            np.full(3, self.radius(settings) if self.frames else 0.0),
+        )
+
+
+def without_holes(
+    depth: NDArray[np.float32], foreground: NDArray[np.bool_], step: int
+) -> NDArray[np.bool_]:
+    """Add to the foreground what lacks depth within it: dark or shining surface, and no light.
+
+    A hole is a connected set of pixels without depth that does not touch the image's border and
+    whose neighbours with depth are mostly foreground.
+
+    Args:
+        depth: (H, W) metres, 0 or not finite where unknown.
+        foreground: (H, W) pixels on the scanned surface.
+        step: Only every ``step``-th pixel, from ``step // 2`` on, is looked at and changed.
+
+    Returns:
+        (H, W) the foreground with its holes.
+    """
+    grid = (slice(step // 2, None, step), slice(step // 2, None, step))
+    unknown, inside = ~(depth[grid] > 0.0), foreground[grid]
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(unknown.astype(np.uint8))
+    height, width = unknown.shape
+    left, top, across, down = stats[:, :4].T
+    is_within = (left > 0) & (top > 0) & (left + across < width) & (top + down < height)
+    around = cv2.dilate(labels.astype(np.float32), np.ones((3, 3))).astype(np.int64)
+    ring = ~unknown & (around > 0)
+    beside = np.bincount(around[ring], minlength=count)
+    of_surface = np.bincount(around[ring], weights=inside[ring], minlength=count)
+    is_hole = is_within & (2.0 * of_surface > beside)
+    is_hole[0] = False
+    filled = foreground.copy()
+    filled[grid] |= is_hole[labels]
+    return filled
+
+
+def _middle_of(frame: Frame, max_depth: float) -> tuple[NDArray[np.float64], float] | None:
+    """Median point (3,), world frame, and median depth of the middle of the image.
+
+    The middle is the central half of the rows and columns; all of them where that has no depth.
+    """
+    height, width = frame.depth.shape
+    middle = (slice(height // 4, height - height // 4), slice(width // 4, width - width // 4))
+    camera = frame.intrinsics
+    v, u = np.mgrid[:height:STRIDE, :width:STRIDE]
+    depth = frame.depth[::STRIDE, ::STRIDE].astype(np.float64)
+    is_usable = np.isfinite(depth) & (depth > 0.0) & (depth <= max_depth)
+    is_central = np.zeros((height, width), np.bool_)
+    is_central[middle] = True
+    is_central = is_central[::STRIDE, ::STRIDE] & is_usable
+    chosen = is_central if is_central.any() else is_usable
+    if not chosen.any():
+        return None
+    z = depth[chosen]
+    rays = np.stack(
+        [(u[chosen] - camera.cx) / camera.fx, (v[chosen] - camera.cy) / camera.fy, np.ones(len(z))]
+    )
+    points = frame.T_world_camera[:3, :3] @ (rays * z) + frame.T_world_camera[:3, 3:]
+    return np.median(points, axis=1), float(np.median(z))
