@@ -19,7 +19,14 @@ PLANS = {"full": FULL, "quick": QUICK, "tiny": TINY}
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Measure and write; 0 when everything was measured, 2 with one sentence otherwise."""
+    """Run the benchmarks and write the page.
+
+    Args:
+        arguments: The command line; None for the process's own.
+
+    Returns:
+        0 when everything was measured, else 2 after one sentence of error.
+    """
     options = parse_arguments(arguments)
     plan = "quick" if options.quick else options.plan
     output = options.output or (ROOT / "docs" if plan == "full" else ROOT / "build" / "benchmarks")
@@ -35,7 +42,11 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def parse_arguments(arguments: list[str] | None) -> argparse.Namespace:
-    """The command line."""
+    """Parse the command line.
+
+    Args:
+        arguments: The command line; None for the process's own.
+    """
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="the same with fewer frames")
     parser.add_argument("--plan", choices=PLANS, default="full", help="how much is measured")
@@ -48,7 +59,7 @@ def parse_arguments(arguments: list[str] | None) -> argparse.Namespace:
 
 
 def default_cache() -> Path:
-    """A folder for what can be rendered again, outside the repository."""
+    """The folder for rendered recordings, outside the repository."""
     home = os.environ.get("XDG_CACHE_HOME")
     return (Path(home) if home else Path.home() / ".cache") / "reflest" / "benchmarks"
 

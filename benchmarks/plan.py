@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""How much is measured: the sizes of every measurement, in one place."""
+"""The sizes of all measurements."""
 
 from __future__ import annotations
 
@@ -11,14 +11,26 @@ from dataclasses import dataclass
 class Plan:
     """Sizes of the measurements.
 
-    ``frame_path``: frames through the whole path; ``peer_frames``: those that Open3D fuses too;
-    ``memory_frames``: those whose stages' memory is measured, untimed. ``estimates``: of each
-    model; ``growth_estimates``: of each model and size. ``is_compiled``: compare
-    with ``torch.compile`` too. ``growth_frames``: for each of the
-    ``voxel_sizes`` (mm), ``resolutions`` and regions. ``store_voxels``: sizes of a store at
-    ``store_voxel_size`` mm. ``view_counts``: views of a scan. ``memory_strip``: frames along a
-    floor too large for ``memory_budget_mb``. ``starts``: fresh processes that start up.
-    ``live_seconds``: of the bag that is played to the node.
+    Attributes:
+        resolution: Width and height of the recording, pixels.
+        rate: Frames per second.
+        threads: Numbers of threads that the frame path is measured with.
+        frame_path: Frames through the whole path.
+        peer_frames: Frames that Open3D fuses too.
+        memory_frames: Frames for the memory of the stages, not timed.
+        estimates: Estimates of each model.
+        growth_estimates: Estimates of each model and size.
+        is_compiled: Also compare with ``torch.compile``.
+        growth_frames: Frames for each voxel size, resolution and region.
+        voxel_sizes: Millimetres.
+        resolutions: Pairs of width and height.
+        store_voxels: Numbers of voxels of the scanned floors.
+        store_voxel_size: Their voxel size, millimetres.
+        view_counts: Numbers of views of a scan.
+        starts: Fresh processes that start up.
+        memory_strip: Frames along a floor that is too large for the budget.
+        memory_budget_mb: 10^6 bytes.
+        live_seconds: Duration of the bag that is played to the node.
     """
 
     resolution: tuple[int, int] = (640, 480)
@@ -43,7 +55,7 @@ class Plan:
 
     @property
     def live_frames(self) -> int:
-        """Frames of the bag."""
+        """Number of frames of the played bag."""
         return max(round(self.live_seconds * self.rate), self.frame_path)
 
 

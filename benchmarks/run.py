@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.comparison import compare_with_open3d
 from benchmarks.measuring.fresh_process import measured
 from benchmarks.measuring.machine import describe_machine
 from benchmarks.plan import Plan
@@ -24,9 +23,15 @@ MEASUREMENTS = "benchmarks.measurements"
 
 
 def run(plan: Plan, cache: Path, capture: Path | None = None) -> dict[str, Any]:
-    """Everything that is published, as JSON; takes some minutes for a full plan.
+    """Run all measurements; a full plan takes some minutes.
 
-    ``cache``: folder of recordings. ``capture``: one more capture to put through the frame path.
+    Args:
+        plan: Sizes of the measurements.
+        cache: Folder of rendered recordings.
+        capture: Another capture for the frame path, or None.
+
+    Returns:
+        All results, as JSON values.
     """
     recording = Recording(*plan.resolution, plan.live_frames, plan.rate)
     machine = describe_machine()
@@ -107,8 +112,41 @@ def run(plan: Plan, cache: Path, capture: Path | None = None) -> dict[str, Any]:
     return results
 
 
+def compare_with_open3d(path: dict[str, Any], peers: dict[str, Any]) -> dict[str, Any]:
+    """Compare the whole frame of reflest with Open3D's integration alone, on the same frames.
+
+    Args:
+        path: Result of the frame path; its times by stamp (``fuse_ms``) are removed.
+        peers: Results of Open3D by name; their times by stamp (``integrate_ms``) are removed.
+
+    Returns:
+        By peer: percentiles over the frames that both fused, and their ratio.
+    """
+    fuse_by_stamp = path.pop("fuse_ms")
+    compared: dict[str, Any] = {}
+    for name, peer in peers.items():
+        integrate_by_stamp = peer.pop("integrate_ms")
+        stamps = sorted(set(fuse_by_stamp) & set(integrate_by_stamp))
+        fuse = [fuse_by_stamp[stamp] for stamp in stamps]
+        integrate = [integrate_by_stamp[stamp] for stamp in stamps]
+        compared[name] = {"frames": len(stamps)} | {
+            f"p{p}": {
+                "fuse_ms": float(np.percentile(fuse, p)),
+                "open3d_ms": float(np.percentile(integrate, p)),
+                "ratio": float(np.percentile(fuse, p) / np.percentile(integrate, p)),
+            }
+            for p in (50, 95)
+        }
+    return compared
+
+
 def run_live(recording: Recording, bag: str) -> dict[str, Any]:
-    """The bag at its own speed to the node."""
+    """Play a recording at its own speed to the node.
+
+    Args:
+        recording: What was rendered.
+        bag: Its rosbag2 folder.
+    """
     return measured(
         "benchmarks.live.session", bag=bag, frames=recording.frames, seconds=recording.seconds
     )

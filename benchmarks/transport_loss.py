@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """``python -m benchmarks.transport_loss``: images lost between two processes over Fast DDS.
 
-Best-effort VGA colour and depth at camera speed, as a driver sends them and the estimator asks for
-them by default: with Fast DDS as it comes, and with the shared-memory profile in config/.
+Best-effort VGA colour and depth at camera speed, as drivers send and the estimator requests them by
+default: with Fast DDS as installed, and with the shared-memory profile in config/.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ MATCH_LIMIT = 60.0
 
 
 class Publisher(Node):
-    """A camera: both images at a rate, then the word that it has ended."""
+    """A camera: sends both images at a rate, then a message that it has ended."""
 
     def __init__(self) -> None:
         super().__init__("loss_publisher")
@@ -48,7 +48,12 @@ class Publisher(Node):
         self._end = self.create_publisher(Empty, "end", OUTPUT_QOS)
 
     def run(self, seconds: float, rate: float) -> None:
-        """Wait for the receiver, then send."""
+        """Wait for the receiver, then send.
+
+        Args:
+            seconds: Duration.
+            rate: Hz.
+        """
         images = {name: _image(*kind) for name, kind in STREAMS.items()}
         outputs = [*self._outputs.values(), self._end]
         deadline = time.monotonic() + MATCH_LIMIT
@@ -66,7 +71,7 @@ class Publisher(Node):
 
 
 class Receiver(Node):
-    """Counts what comes as the estimator's subscriptions would get it."""
+    """Counts what the estimator's subscriptions would receive."""
 
     def __init__(self) -> None:
         super().__init__("loss_receiver")
@@ -78,7 +83,7 @@ class Receiver(Node):
         self.create_subscription(Empty, "end", self._on_end, OUTPUT_QOS)
 
     def run(self) -> None:
-        """Take messages until the publisher has ended, and what is still on its way."""
+        """Receive messages until the publisher has ended and none is in transit."""
         while not self.has_ended:
             rclpy.spin_once(self, timeout_sec=1.0)
         count = -1
@@ -100,7 +105,17 @@ class Receiver(Node):
 
 
 def measure(profile: Path | None, seconds: float, rate: float, domain_id: int) -> dict[str, Any]:
-    """Run both processes once; how many images were sent, came and were lost."""
+    """Run both processes once.
+
+    Args:
+        profile: Fast DDS profile, or None for the default.
+        seconds: Duration.
+        rate: Hz.
+        domain_id: The ROS domain.
+
+    Returns:
+        Numbers of images sent, received and lost.
+    """
     environment = {
         **os.environ,
         "ROS_DOMAIN_ID": str(domain_id),
@@ -150,7 +165,7 @@ def _run_role(role: str, seconds: float, rate: float) -> None:
 
 
 def main() -> None:
-    """Measure each set-up several times, by turns, and print a line for each run."""
+    """Measure each set-up several times in turn, and print a line for each run."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("role", nargs="?", choices=("publish", "receive"), help="one side alone")
     parser.add_argument("--seconds", type=float, default=10.0)

@@ -1,3 +1,3 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A bag at camera speed to the real node: own processes, real DDS, default settings."""
+"""Live benchmark: a bag at camera speed to the real node, over DDS, with default settings."""

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""``python -m benchmarks.live [--seconds 60] [--json OUT]``: the node at camera speed, alone."""
+"""``python -m benchmarks.live [--seconds 60] [--json OUT]``: the live benchmark alone."""
 
 from __future__ import annotations
 
@@ -18,7 +18,14 @@ from reflest_core.errors import ReflestError
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Play, print the table; 2 with one sentence where that fails."""
+    """Play the bag and print the table.
+
+    Args:
+        arguments: The command line; None for the process's own.
+
+    Returns:
+        0, or 2 after one sentence of error.
+    """
     parser = argparse.ArgumentParser(prog="python -m benchmarks.live", description=__doc__)
     parser.add_argument("--seconds", type=float, default=FULL.live_seconds)
     parser.add_argument("--rate", type=float, default=FULL.rate, help="frames a second")

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The other side of the node: collects every estimate and the latest diagnostics."""
+"""A subscriber that collects the node's estimates and its latest diagnostics."""
 
 from __future__ import annotations
 
@@ -22,13 +22,16 @@ ESTIMATES_KEPT = 1000
 
 
 class LiveRunFailed(ReflestError):
-    """A process of the live run ended early or did not do what it should in time."""
+    """A process of the live run ended early or missed its time limit."""
 
 
 class Listener:
-    """``estimates``: all that came.
+    """Subscribes to the node's output.
 
-    ``diagnostics``: the node's latest values; ``diagnostics_count``: how often they came.
+    Attributes:
+        estimates: All estimates that were received.
+        diagnostics: The node's latest diagnostic values.
+        diagnostics_count: Number of diagnostic messages received.
     """
 
     def __init__(self) -> None:
@@ -50,7 +53,16 @@ class Listener:
         self._executor.add_node(self._node)
 
     def listen_until(self, is_true: Callable[[], bool], limit: float, what: str) -> None:
-        """Take messages until ``is_true``; :class:`LiveRunFailed` after ``limit`` seconds."""
+        """Receive messages until a condition holds.
+
+        Args:
+            is_true: The condition, checked after every message.
+            limit: Seconds.
+            what: What is waited for, for the error.
+
+        Raises:
+            LiveRunFailed: the condition did not hold in time.
+        """
         deadline = time.monotonic() + limit
         while not is_true():
             if time.monotonic() > deadline:
@@ -58,11 +70,15 @@ class Listener:
             self._executor.spin_once(timeout_sec=0.1)
 
     def has_subscriber(self, topic: str) -> bool:
-        """Whether some node subscribes to ``topic``."""
+        """Whether some node subscribes to a topic.
+
+        Args:
+            topic: The topic's name.
+        """
         return bool(self._node.count_subscribers(topic) > 0)
 
     def close(self) -> None:
-        """Leave the graph."""
+        """Destroy the ROS node."""
         self._executor.shutdown()
         self._node.destroy_node()
         self._context.try_shutdown()

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What became of every frame that was played, from the node's own counters."""
+"""The fate of every played frame, from the node's own counters."""
 
 from __future__ import annotations
 
@@ -21,10 +21,13 @@ OVERLOAD = ("queue_full",)
 
 @dataclass(frozen=True)
 class TimedEstimate:
-    """``stamp``: of the keyframe, seconds. ``latency``: from its image's arrival, seconds.
+    """When an estimate was published.
 
-    ``stolen``: seconds that other machines of the same host took from this one since the estimate
-    before, all cores.
+    Attributes:
+        stamp: Of the keyframe, seconds.
+        latency: Seconds from the arrival of the keyframe's image to publication.
+        stolen: Seconds that the hypervisor took from this virtual machine since the estimate
+            before, summed over cores.
     """
 
     stamp: float
@@ -35,11 +38,16 @@ class TimedEstimate:
 def account(
     frames: int, diagnostics: Mapping[str, str], estimates: Sequence[TimedEstimate]
 ) -> dict[str, Any]:
-    """What the page says of a live run.
+    """The figures of a live run.
 
-    ``frames``: played, each one message of every role; each is fused, skipped as redundant or lost.
-    Messages are lost to overload on their way or at the queue; what is left of their frames is then
-    refused, as its partners are missing. The node counts redundant frames among the fused.
+    Each frame is fused, skipped as redundant, or lost. Messages are lost to overload in transport
+    or at the queue; the other messages of their frames are then refused. The node counts redundant
+    frames among the fused.
+
+    Args:
+        frames: Number of played frames, each one message of every role.
+        diagnostics: The node's latest values.
+        estimates: When each estimate was published.
     """
     latencies = [estimate.latency for estimate in estimates]
     received = {role: _count(diagnostics, f"messages {role}") for role in ROLES}

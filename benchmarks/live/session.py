@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""One live run: node and bag player as processes, and what became of every message."""
+"""One live run: node and bag player as processes, and the fate of every message."""
 
 from __future__ import annotations
 
@@ -31,9 +31,17 @@ CHANGING = ("messages", "frames", "keyframes", "estimates", "refused")
 
 
 def measure(bag: str, frames: int, seconds: float) -> dict[str, Any]:
-    """Play ``bag`` at the speed of its stamps to a node with default settings.
+    """Play a bag at the speed of its stamps to a node with default settings.
 
-    The region of interest is that of the table scene. ``frames``, ``seconds``: of the bag.
+    The region of interest is that of the table scene.
+
+    Args:
+        bag: The rosbag2 folder.
+        frames: Number of its frames.
+        seconds: Its duration.
+
+    Raises:
+        LiveRunFailed: a process ended early or missed its time limit.
     """
     use_private_domain()
     os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(PROFILE))

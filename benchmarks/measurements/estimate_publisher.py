@@ -21,7 +21,7 @@ TOPIC = "/benchmark/brdf"
 
 @contextlib.contextmanager
 def publishing() -> Iterator[Callable[[BrdfEstimate], None]]:
-    """A function that converts and publishes one estimate."""
+    """A context with a function that converts and publishes one estimate."""
     use_private_domain()
     context = Context()
     rclpy.init(context=context)
@@ -36,6 +36,6 @@ def publishing() -> Iterator[Callable[[BrdfEstimate], None]]:
 
 
 def use_private_domain() -> None:
-    """Keep to this machine and off other robots' domain, unless the user chose one."""
+    """Limit discovery to this machine and to a separate domain, unless the user chose one."""
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Estimates from one scan, each model: what we ship, and PyTorch on the same features."""
+"""Estimates from one scan by each model: the shipped code, and PyTorch on the same features."""
 
 from __future__ import annotations
 
@@ -41,10 +41,14 @@ WARM_UP = 3
 def measure(
     capture: str, frames: int, estimates: int, threads: int, is_compiled: bool
 ) -> dict[str, Any]:
-    """Scan the first ``frames``, then estimate ``estimates`` times with every model.
+    """Scan the first frames, then time estimates of every model.
 
-    ``threads``: of the network. ``is_compiled``: compare with ``torch.compile`` too, which
-    takes its time.
+    Args:
+        capture: Path of the capture.
+        frames: Number of frames to scan.
+        estimates: Number of estimates of each model.
+        threads: Threads of the network.
+        is_compiled: Also compare with ``torch.compile``, which takes minutes.
     """
     settings = table_settings()
     scanner = Scanner(settings)

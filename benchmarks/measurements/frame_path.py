@@ -39,10 +39,14 @@ WHOLE_PATH = (FUSE_NEW, FUSE_KNOWN)
 def measure(
     capture: str, frames: int, memory_frames: int, is_table: bool, threads: int
 ) -> dict[str, Any]:
-    """Time every stage over the first ``frames``, then note memory over ``memory_frames``.
+    """Time every stage, then measure the memory of each.
 
-    ``is_table``: set the region of interest to the object on the table. ``threads``: of
-    fusion and of the network.
+    Args:
+        capture: Path of the capture.
+        frames: Number of frames to time.
+        memory_frames: Number of frames for the memory, which are not timed.
+        is_table: Set the region of interest to the object on the table.
+        threads: Threads of fusion and of the network.
     """
     settings = table_settings() if is_table else ReflestSettings()
     settings = dataclasses.replace(

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Whether estimates grow with the scan: more surface, more views."""
+"""The time of estimates against the size of the scan: surface and views."""
 
 from __future__ import annotations
 
@@ -31,9 +31,13 @@ LAST_FRAMES = 10
 def measure(
     store_voxels: list[int], voxel_size_mm: float, view_counts: list[int], estimates: int
 ) -> dict[str, Any]:
-    """Scans of a floor with about ``store_voxels``, then one of the table with more and more views.
+    """Scan floors of several sizes, then the table with a growing number of views.
 
-    ``estimates``: for each model and size.
+    Args:
+        store_voxels: Approximate numbers of voxels of the floors.
+        voxel_size_mm: Millimetres.
+        view_counts: Numbers of views of the table.
+        estimates: Number of estimates for each model and size.
     """
     return {
         "store": [_floor(voxels, voxel_size_mm / 1000.0, estimates) for voxels in store_voxels],

@@ -1,8 +1,8 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""How the cost of a frame grows with voxel size, resolution and region.
+"""The time of a frame against voxel size, resolution and region.
 
-Every frame is a new view: nothing is skipped as redundant, which is the most that a frame can cost.
+Every frame is a new view: none is skipped as redundant, so this is the upper bound of the time.
 """
 
 from __future__ import annotations
@@ -38,7 +38,14 @@ def measure(
     voxel_sizes: list[float],
     resolutions: list[list[int]],
 ) -> dict[str, Any]:
-    """Voxel sizes in mm and regions are measured at ``resolution``, resolutions at 5 mm."""
+    """Measure voxel sizes and regions at one resolution, and resolutions at 5 mm.
+
+    Args:
+        frames: Number of frames of each case.
+        resolution: Width and height for voxel sizes and regions.
+        voxel_sizes: Millimetres.
+        resolutions: Pairs of width and height.
+    """
     warm_up()
     fusion = FusionSettings(memory_budget_mb=BUDGET_MB)
     default = Recording(resolution[0], resolution[1], frames, RATE)

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What a scan far beyond its memory budget takes, as the system counts it."""
+"""Resident memory of a scan far beyond its memory budget."""
 
 from __future__ import annotations
 
@@ -18,10 +18,17 @@ from reflest_core.fusion.warm_up import warm_up
 
 
 def measure(frames: int, budget_mb: float, voxel_size_mm: float) -> dict[str, Any]:
-    """Scan a strip of floor, a snapshot after each frame; resident memory beyond what was before.
+    """Scan a strip of floor with a snapshot after each frame.
 
-    ``between_frames_mb``: the most after a frame and its snapshot. ``within_frames_mb``: the most
-    at any time; None where the kernel does not tell.
+    Args:
+        frames: Number of frames.
+        budget_mb: The memory budget, 10^6 bytes.
+        voxel_size_mm: Millimetres.
+
+    Returns:
+        Resident memory beyond that at the start: ``between_frames_mb``, the maximum after a frame
+        and its snapshot; ``within_frames_mb``, the maximum at any time, None where the kernel does
+        not say.
     """
     warm_up()
     gc.collect()

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Open3D's VoxelBlockGrid on the same frames: what integration costs elsewhere."""
+"""Open3D's VoxelBlockGrid on the same frames, as the peer."""
 
 from __future__ import annotations
 
@@ -32,7 +32,13 @@ IN_REGION = ", depth cut to the region"
 
 
 def measure(capture: str, stamps: list[str], is_table: bool) -> dict[str, Any]:
-    """With colour, as scanners use it, and depth only, as we do."""
+    """Time Open3D with colour, as scanners use it, and with depth alone.
+
+    Args:
+        capture: Path of the capture.
+        stamps: Stamps of the frames to fuse, nanoseconds, as text.
+        is_table: Crop to the region of interest of the table scene.
+    """
     kinds = (("colour", True), ("depth only", False))
     return {
         name: _fused(Path(capture), set(stamps), with_colour, is_table)

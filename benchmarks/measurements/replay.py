@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""``reflest replay`` of the recording, against the time that it took to film."""
+"""The time of ``reflest replay`` against the duration of the capture."""
 
 from __future__ import annotations
 
@@ -18,7 +18,12 @@ from benchmarks.scene.table_scene import REGION
 
 
 def measure(capture: str, seconds: float) -> dict[str, Any]:
-    """``seconds``: filmed time of the capture. The process' start is part of the replay."""
+    """Time a replay, with the start of its process.
+
+    Args:
+        capture: Path of the capture.
+        seconds: Duration of the capture.
+    """
     half = [0.5 * edge for edge in REGION.size]
     corners = [c - h for c, h in zip(REGION.centre, half, strict=True)]
     corners += [c + h for c, h in zip(REGION.centre, half, strict=True)]

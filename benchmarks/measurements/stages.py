@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Where each stage of the live path is done."""
+"""The functions that do each stage of the live path."""
 
 from __future__ import annotations
 

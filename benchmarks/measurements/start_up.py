@@ -20,7 +20,12 @@ LATER_FRAMES = 60
 
 
 def measure(capture: str, starts: int) -> dict[str, Any]:
-    """Start ``starts`` processes one after another."""
+    """Start processes one after another.
+
+    Args:
+        capture: Path of the capture.
+        starts: Number of processes.
+    """
     runs = [_started(capture) for _ in range(starts)]
     timings = [Timing.of(phase, [run[phase] for run in runs]) for phase in runs[0]]
     return {"phases": [dataclasses.asdict(one) for one in timings]}

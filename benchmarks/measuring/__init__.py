@@ -1,3 +1,3 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Clocks, memory, fresh processes and what is known about the machine."""
+"""Clocks, memory, fresh processes and a description of the machine."""

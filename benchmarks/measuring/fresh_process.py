@@ -1,9 +1,9 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Each measurement runs in a process of its own, held to a number of cores and threads.
+"""Runs each measurement in a process of its own, with a fixed number of cores and threads.
 
 ``python -m benchmarks.measuring.fresh_process MODULE ARGUMENTS OUT`` is that process: it calls
-``MODULE.measure(**arguments)`` and writes what that returns as JSON.
+``MODULE.measure(**arguments)`` and writes the result as JSON.
 """
 
 from __future__ import annotations
@@ -33,10 +33,18 @@ class MeasurementFailed(ReflestError):
 
 
 def measured(module: str, cores: int | None = None, **arguments: Any) -> dict[str, Any]:
-    """What ``module.measure(**arguments)`` returns in a fresh process.
+    """Call ``module.measure(**arguments)`` in a fresh process.
 
-    ``cores``: cores that the process may use, and threads that its libraries start; None leaves
-    both alone. ``arguments`` must fit into JSON.
+    Args:
+        module: Name of the module.
+        cores: Cores of the process and threads of its libraries; None for no limit.
+        arguments: JSON values.
+
+    Returns:
+        What the function returned.
+
+    Raises:
+        MeasurementFailed: the process ended with an error.
     """
     environment = {**os.environ}
     command = [sys.executable, "-m", "benchmarks.measuring.fresh_process"]

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What the figures were measured on and with; nothing that names the machine or its user."""
+"""Hardware and software of the measuring machine; nothing that names the machine or its user."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def describe_machine() -> dict[str, Any]:
 
 
 def stolen_seconds() -> float:
-    """Time since its start that a virtual machine wanted to run and was not let, all cores."""
+    """Seconds since boot that the hypervisor took from this virtual machine, summed over cores."""
     fields = Path("/proc/stat").read_text().split("\n", 1)[0].split()
     return int(fields[8]) / os.sysconf("SC_CLK_TCK")
 

@@ -11,17 +11,25 @@ MB = 1e6
 
 
 def resident_mb(process: int | str = "self") -> float:
-    """Present resident memory, 10^6 bytes."""
+    """Present resident memory, 10^6 bytes.
+
+    Args:
+        process: Its id, or ``self``.
+    """
     return _status("VmRSS", process)
 
 
 def peak_mb(process: int | str = "self") -> float:
-    """Most resident memory since the start or the last :func:`forget_peak`, 10^6 bytes."""
+    """Maximum of the resident memory since the start or the last :func:`forget_peak`, 10^6 bytes.
+
+    Args:
+        process: Its id, or ``self``.
+    """
     return _status("VmHWM", process)
 
 
 def forget_peak() -> bool:
-    """Let this process' peak begin anew; False where the kernel does not allow that."""
+    """Reset this process's peak; False where the kernel does not allow that."""
     try:
         Path("/proc/self/clear_refs").write_text("5")
     except OSError:

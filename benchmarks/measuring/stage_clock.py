@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Times stages inside the shipped code path, by wrapping the functions that do them."""
+"""Times stages inside the shipped code by wrapping the functions that do them."""
 
 from __future__ import annotations
 
@@ -19,15 +19,17 @@ from reflest_core.errors import ReflestError
 
 
 class StageMoved(ReflestError):
-    """The code that a stage names is no longer there."""
+    """The function that a stage names does not exist."""
 
 
 @dataclass(frozen=True)
 class Stage:
     """A stage of the path and the functions that do it.
 
-    ``places``: ``module:name`` or ``module:Class.name`` ; looked up where they are called, so
-    an imported function is named in the importing module.
+    Attributes:
+        name: As shown in tables.
+        places: ``module:name`` or ``module:Class.name``, where the function is called: an imported
+            function is named in the importing module.
     """
 
     name: str
@@ -37,8 +39,8 @@ class Stage:
 class StageClock:
     """Sums each stage's time between two calls of :meth:`lap`.
 
-    ``with_memory`` also notes what each call adds to the resident memory at its peak; that costs
-    time itself, so durations then mean nothing.
+    With ``with_memory`` it measures instead how much each call adds to the resident memory's peak;
+    durations are not valid then.
     """
 
     def __init__(self, stages: Sequence[Stage], with_memory: bool = False) -> None:
@@ -51,7 +53,7 @@ class StageClock:
 
     @contextlib.contextmanager
     def watching(self) -> Iterator[None]:
-        """Time the stages' functions for the block."""
+        """A context in which the stages' functions are timed."""
         with contextlib.ExitStack() as undo:
             for stage in self._stages:
                 for place in stage.places:
@@ -63,7 +65,11 @@ class StageClock:
 
     @contextlib.contextmanager
     def timing(self, name: str) -> Iterator[None]:
-        """Time the block as a stage."""
+        """A context that is timed as a stage.
+
+        Args:
+            name: Of the stage.
+        """
         started = time.perf_counter()
         try:
             yield
@@ -71,7 +77,11 @@ class StageClock:
             self._current[name] += time.perf_counter() - started
 
     def lap(self) -> dict[str, float]:
-        """End a frame or an estimate: one duration for each stage that ran; returns them."""
+        """End a frame or an estimate.
+
+        Returns:
+            Seconds of each stage that ran since the last call.
+        """
         lap = dict(self._current)
         for name, seconds in lap.items():
             self.seconds[name].append(seconds)
@@ -79,7 +89,11 @@ class StageClock:
         return lap
 
     def timings(self, memory_mb: dict[str, float] | None = None) -> list[Timing]:
-        """All stages in the order in which they first ran; memory comes from another clock."""
+        """Timings of all stages in the order in which they first ran.
+
+        Args:
+            memory_mb: Memory by stage from another clock, 10^6 bytes; None for none.
+        """
         memory_mb = memory_mb or {}
         return [Timing.of(name, s, memory_mb.get(name)) for name, s in self.seconds.items()]
 

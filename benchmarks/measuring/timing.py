@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Many durations of one thing as the few numbers that are published."""
+"""Durations reduced to the numbers that are published."""
 
 from __future__ import annotations
 
@@ -12,10 +12,17 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Timing:
-    """Percentiles in milliseconds over ``count`` runs.
+    """Percentiles over many runs of one stage.
 
-    ``memory_mb``: the most that one run added to the resident memory at its peak, 10^6 bytes; None
-    where that was not measured.
+    Attributes:
+        name: Of the stage.
+        count: Number of runs.
+        p50_ms: Median, milliseconds.
+        p95_ms: 95th percentile, milliseconds.
+        p99_ms: 99th percentile, milliseconds.
+        mean_ms: Milliseconds.
+        memory_mb: The most that one run added to the resident memory's peak, 10^6 bytes; None
+            where it was not measured.
     """
 
     name: str
@@ -28,7 +35,13 @@ class Timing:
 
     @classmethod
     def of(cls, name: str, seconds: Sequence[float], memory_mb: float | None = None) -> Timing:
-        """Of at least one duration."""
+        """Reduce durations.
+
+        Args:
+            name: Of the stage.
+            seconds: At least one duration.
+            memory_mb: See the attribute.
+        """
         ms = 1000.0 * np.asarray(seconds, np.float64)
         p50, p95, p99 = (float(value) for value in np.percentile(ms, [50, 95, 99]))
         return cls(name, len(ms), p50, p95, p99, float(ms.mean()), memory_mb)

@@ -1,3 +1,3 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What was measured as tables, a page and plots; nothing here is typed by hand."""
+"""The results as tables, a page and plots, generated from the measurements alone."""

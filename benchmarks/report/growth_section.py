@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of how cost grows."""
+"""Tables of how time grows with size."""
 
 from __future__ import annotations
 
@@ -10,7 +10,11 @@ from benchmarks.report.table import number, table
 
 
 def growth_section(results: dict[str, Any]) -> str:
-    """Cost against voxel size, resolution, region, surface and views."""
+    """Time against voxel size, resolution, region, surface and views.
+
+    Args:
+        results: Result of :func:`benchmarks.run.run`.
+    """
     fusion, estimates = results["growth_of_fusion"], results["growth_of_estimates"]
     rows = [[f"{one['voxel_size_mm']:g} mm voxels", *_fused(one)] for one in fusion["voxel_size"]]
     rows += [[f"{o['width']} x {o['height']} pixels", *_fused(o)] for o in fusion["resolution"]]

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Writes results as JSON, page and plots, and renews the short table in docs/performance.md."""
+"""Writes results as JSON, page and plots, and updates the short table in docs/performance.md."""
 
 from __future__ import annotations
 
@@ -30,13 +30,21 @@ FRAMES_PLOT, ESTIMATES_PLOT = "performance-frames.png", "performance-estimates.p
 
 
 class GuideDamaged(ReflestError):
-    """docs/performance.md has lost the marks between which figures belong."""
+    """docs/performance.md lacks the two marks around the table."""
 
 
 def write_page(results: dict[str, Any], docs: Path) -> Path:
-    """Write ``docs``/results and ``docs``/images; return the page.
+    """Write results and images below ``docs``, and the targets in ``docs/performance.md``.
 
-    ``docs``/performance.md, where there is one, gets the table of targets between its two marks.
+    Args:
+        results: Result of :func:`benchmarks.run.run`.
+        docs: The documentation's folder.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        GuideDamaged: docs/performance.md lacks the marks.
     """
     for folder in (docs / "results", docs / "images"):
         folder.mkdir(parents=True, exist_ok=True)
@@ -52,7 +60,11 @@ def write_page(results: dict[str, Any], docs: Path) -> Path:
 
 
 def page_text(results: dict[str, Any]) -> str:
-    """The page in Markdown."""
+    """The page in Markdown.
+
+    Args:
+        results: Result of :func:`benchmarks.run.run`.
+    """
     parts = [
         "# Performance, as measured",
         "Written by `make bench` (`python -m benchmarks`); the same figures in full are in "

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Plots of how cost grows."""
+"""Plots of how time grows with size."""
 
 from __future__ import annotations
 
@@ -22,7 +22,12 @@ COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:red", "tab:purple", "tab:
 
 
 def plot_frames(results: dict[str, Any], path: Path) -> None:
-    """What a frame costs by voxel size, resolution and region; each frame is a new view."""
+    """Draw the time of a frame by voxel size, resolution and region; each frame is a new view.
+
+    Args:
+        results: Result of :func:`benchmarks.run.run`.
+        path: The PNG to write.
+    """
     growth = results["growth_of_fusion"]
     figure, axes = plt.subplots(1, 3, figsize=(12, 3.8), sharey=True)
     panels = (
@@ -35,8 +40,8 @@ def plot_frames(results: dict[str, Any], path: Path) -> None:
         places = list(range(len(labels)))
         medians, tails = [one["p50_ms"] for one in timings], [one["p95_ms"] for one in timings]
         axis.vlines(places, medians, tails, color="tab:blue")
-        axis.plot(places, tails, "_", color="tab:blue", markersize=12, label="ours, p95")
-        axis.plot(places, medians, "o", color="tab:blue", label="ours, median")
+        axis.plot(places, tails, "_", color="tab:blue", markersize=12, label="reflest, p95")
+        axis.plot(places, medians, "o", color="tab:blue", label="reflest, median")
         for place, median in zip(places, medians, strict=True):
             axis.annotate(f"{median:.3g}", (place, median), (8, -4), textcoords="offset points")
         axis.axhline(FRAME_TIME_MS, color="black", linewidth=0.8, linestyle=":", label="30 Hz")
@@ -66,7 +71,12 @@ def _open3d_ms(results: dict[str, Any]) -> float:
 
 
 def plot_estimates(results: dict[str, Any], path: Path) -> None:
-    """What an estimate, a snapshot and a frame cost as the scan grows: all should be level."""
+    """Draw the time of an estimate, a snapshot and a frame against the size of the scan.
+
+    Args:
+        results: Result of :func:`benchmarks.run.run`.
+        path: The PNG to write.
+    """
     growth = results["growth_of_estimates"]
     figure, (left, right) = plt.subplots(1, 2, figsize=(12, 4.2), sharey=True)
     _lines(left, growth["store"], "voxels", "surface voxels in the store")

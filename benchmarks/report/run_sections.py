@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Where it was measured, what was promised, and whole runs: the node, replay, start-up."""
+"""Sections: the machine, the targets, and whole runs (node, replay, start-up)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,11 @@ from benchmarks.report.targets import targets
 
 
 def machine_section(results: dict[str, Any]) -> str:
-    """Where and with what it was measured."""
+    """Section: hardware and software.
+
+    Args:
+        results: Result of :func:`benchmarks.run.run`.
+    """
     machine = results["machine"]
     libraries = ", ".join(f"{name} {version}" for name, version in machine["libraries"].items())
     return (
@@ -24,7 +28,11 @@ def machine_section(results: dict[str, Any]) -> str:
 
 
 def targets_section(results: dict[str, Any]) -> str:
-    """Promise against measurement."""
+    """Section: targets against measurements.
+
+    Args:
+        results: Result of :func:`benchmarks.run.run`.
+    """
     rows = [
         (one.what, f"{number(one.limit)} {one.unit}", number(one.measured), _yes(one.is_met))
         for one in targets(results)
@@ -33,7 +41,11 @@ def targets_section(results: dict[str, Any]) -> str:
 
 
 def live_section(results: dict[str, Any]) -> str:
-    """The bag to the node."""
+    """Section: a bag played to the node.
+
+    Args:
+        results: Result of :func:`benchmarks.run.run`.
+    """
     live = results["live"]
     lost = ", ".join(f"{cause}: {count}" for cause, count in live["messages_lost"].items())
     refused = ", ".join(f"{cause}: {count}" for cause, count in live["refused"].items())
@@ -68,7 +80,11 @@ def _slow(one: dict[str, float]) -> str:
 
 
 def memory_section(results: dict[str, Any]) -> str:
-    """Resident memory of a scan that is too large for its budget."""
+    """Section: resident memory of a scan that is too large for its budget.
+
+    Args:
+        results: Result of :func:`benchmarks.run.run`.
+    """
     memory = results["memory"]
     rows = [
         ["memory_budget_mb", number(memory["budget_mb"])],
@@ -84,7 +100,11 @@ def memory_section(results: dict[str, Any]) -> str:
 
 
 def start_up_section(results: dict[str, Any]) -> str:
-    """Start-up phases and replay speed."""
+    """Section: phases of start-up, and replay speed.
+
+    Args:
+        results: Result of :func:`benchmarks.run.run`.
+    """
     rows = [[one["name"], number(one["p50_ms"])] for one in results["start_up"]["phases"]]
     replay = results["replay"]
     return (

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of stages: the live path, the peer, the models."""
+"""Sections: the stages of the live path, the peer, and the models."""
 
 from __future__ import annotations
 
@@ -57,7 +57,11 @@ COMPARED = ("fuse_ms", "open3d_ms", "ratio")
 
 
 def stages_section(results: dict[str, Any]) -> str:
-    """Every stage of the live path, for each number of threads."""
+    """Section: every stage of the live path, for each number of threads.
+
+    Args:
+        results: Result of :func:`benchmarks.run.run`.
+    """
     runs = results["frame_path"]
     by_name = {key: {one["name"]: one for one in run["stages"]} for key, run in runs.items()}
     first = next(iter(runs))
@@ -83,7 +87,11 @@ def stages_section(results: dict[str, Any]) -> str:
 
 
 def open3d_section(results: dict[str, Any]) -> str:
-    """The peer in the same run."""
+    """Section: Open3D in the same run.
+
+    Args:
+        results: Result of :func:`benchmarks.run.run`.
+    """
     rows = []
     for key, compared in results["against_open3d"].items():
         for kind, one in compared.items():
@@ -91,8 +99,8 @@ def open3d_section(results: dict[str, Any]) -> str:
                 [f"{kind}, {_threads(key)}", str(one["frames"])]
                 + [number(one[p][f]) for p in ("p50", "p95") for f in COMPARED]
             )
-    header = ["Open3D", "frames", "p50 ours", "p50 Open3D", "ratio"]
-    text = table([*header, "p95 ours", "p95 Open3D", "ratio"], rows)
+    header = ["Open3D", "frames", "p50 reflest", "p50 Open3D", "ratio"]
+    text = table([*header, "p95 reflest", "p95 Open3D", "ratio"], rows)
     rows = [
         [f"{kind}, {_threads(key)}: {one['name']}", *(number(one[p]) for p in PERCENTILES)]
         for key, peers in results["open3d"].items()
@@ -103,7 +111,11 @@ def open3d_section(results: dict[str, Any]) -> str:
 
 
 def estimation_section(results: dict[str, Any]) -> str:
-    """Every model, stage by stage, and PyTorch on the same inputs."""
+    """Section: every model, stage by stage, and PyTorch on the same inputs.
+
+    Args:
+        results: Result of :func:`benchmarks.run.run`.
+    """
     rows = []
     for key, run in results["estimation"].items():
         for model, kinds in run["models"].items():

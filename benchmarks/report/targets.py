@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The figures that the project promised, and what was measured."""
+"""The project's targets for speed and memory, with what was measured."""
 
 from __future__ import annotations
 
@@ -27,7 +27,14 @@ LEVEL = 1.25
 
 @dataclass(frozen=True)
 class Target:
-    """``measured`` must not pass ``limit``."""
+    """A limit for one figure.
+
+    Attributes:
+        what: The figure in words.
+        measured: Its value in this run.
+        limit: The largest allowed value.
+        unit: Of both.
+    """
 
     what: str
     measured: float
@@ -36,12 +43,16 @@ class Target:
 
     @property
     def is_met(self) -> bool:
-        """Whether it holds."""
+        """Whether the measured value is within the limit."""
         return self.measured <= self.limit
 
 
 def targets(results: dict[str, Any]) -> Iterator[Target]:
-    """All targets, with the figures of this run."""
+    """All targets with the figures of this run.
+
+    Args:
+        results: Result of :func:`benchmarks.run.run`.
+    """
     most = max(results["against_open3d"], key=int)
     for p, name in (("p50", "median"), ("p95", "p95")):
         colour = results["against_open3d"][most]["colour"][p]

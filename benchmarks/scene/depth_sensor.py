@@ -1,9 +1,9 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What a structured-light sensor makes of a depth.
+"""Noise of a structured-light depth sensor.
 
-Its noise grows with the square of the distance: 1.2 mm at 0.4 m, and 1.9 mm more for each square
-metre beyond. It sees nothing at grazing angles, and misses a patch of pixels here and there.
+Its standard deviation grows with the square of the distance: 1.2 mm at 0.4 m, and 1.9 mm more for
+each square metre beyond. At grazing angles and in random patches there is no depth.
 """
 
 from __future__ import annotations
@@ -23,9 +23,17 @@ PATCH = 4
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def sensed_depth(z: float, cosine: float, row: int, column: int, number: int) -> int:
-    """Millimetres that the sensor reports for depth ``z`` in metres; 0 where it sees nothing.
+    """The sensor's reading.
 
-    ``cosine``: of the angle of incidence. ``number``: of the frame.
+    Args:
+        z: True depth, metres.
+        cosine: Of the angle of incidence.
+        row: Of the pixel.
+        column: Of the pixel.
+        number: Of the frame, a seed of the noise.
+
+    Returns:
+        Millimetres, 0 for no depth.
     """
     if cosine < GRAZING or _uniform(row // PATCH, column // PATCH, number) < MISSED:
         return 0

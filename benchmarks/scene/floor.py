@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A floor of any size, filmed from above: a scan with as many voxels as wanted."""
+"""A floor of any size, filmed from above, for scans of a wanted number of voxels."""
 
 from __future__ import annotations
 
@@ -24,12 +24,20 @@ DOWN = np.array([0.0, 0.0, -1.0])
 
 
 def floor_region(edge: float) -> RegionSettings:
-    """A square of ``edge`` metres about the origin at z = 0."""
+    """A square region about the origin at z = 0.
+
+    Args:
+        edge: Metres.
+    """
     return RegionSettings("box", (0.0, 0.0, 0.0), (edge, edge, 0.2))
 
 
 def overview_frames(edge: float) -> Iterator[Frame]:
-    """Frames from a square grid of positions above the whole floor."""
+    """Frames from a square grid of positions above the whole floor.
+
+    Args:
+        edge: Edge of the floor, metres.
+    """
     count = max(3, int(np.ceil(edge / OVERVIEW_SPACING)) + 1)
     reach = max(0.5 * edge, 0.6)
     places = np.linspace(-reach, reach, count)
@@ -38,7 +46,11 @@ def overview_frames(edge: float) -> Iterator[Frame]:
 
 
 def small_frames(count: int) -> Iterator[Frame]:
-    """Frames of the same small part, each from a new direction."""
+    """Frames of the same small part, each from a new direction.
+
+    Args:
+        count: Number of frames.
+    """
     for number in range(count):
         turn = 2.0 * np.pi * number / count
         centre = np.array([0.04 * np.cos(turn), 0.04 * np.sin(turn), SMALL_HEIGHT])
@@ -46,7 +58,11 @@ def small_frames(count: int) -> Iterator[Frame]:
 
 
 def strip_frames(count: int) -> Iterator[Frame]:
-    """Frames along a line over a floor without end: every one shows new surface."""
+    """Frames along a line over an endless floor: every one shows new surface.
+
+    Args:
+        count: Number of frames.
+    """
     for number in range(count):
         yield _frame(np.array([STRIP_STEP * number, 0.0, OVERVIEW_HEIGHT]), number)
 

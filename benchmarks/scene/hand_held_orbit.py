@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The path of a hand that walks a camera round the object at a brisk pace."""
+"""The path of a camera that is carried round the object at a brisk pace."""
 
 from __future__ import annotations
 
@@ -16,10 +16,16 @@ DEGREES_PER_SECOND = 15.0
 
 
 def pose_at(seconds: float) -> NDArray[np.float64]:
-    """``T_world_camera`` (4, 4) at this time; no two laps are alike.
+    """The camera's pose; no two laps are equal.
 
     The camera stays 0.48 to 0.72 m from the object and 15 to 60 degrees above its horizon, and
     trembles by some millimetres.
+
+    Args:
+        seconds: Since the start.
+
+    Returns:
+        ``T_world_camera``, (4, 4) float64.
     """
     t = seconds
     azimuth = math.radians(DEGREES_PER_SECOND * t) + 0.05 * math.sin(0.9 * t)

@@ -29,7 +29,14 @@ START_NS = 1_750_000_000 * 10**9
 
 @dataclass(frozen=True)
 class Recording:
-    """``frames`` images of ``width`` x ``height`` pixels at ``rate`` Hz."""
+    """What is rendered.
+
+    Attributes:
+        width: Pixels.
+        height: Pixels.
+        frames: Number of images.
+        rate: Hz.
+    """
 
     width: int
     height: int
@@ -38,12 +45,20 @@ class Recording:
 
     @property
     def seconds(self) -> float:
-        """From the first image to one period after the last."""
+        """Duration from the first image to one period after the last."""
         return self.frames / self.rate
 
 
 def recorded(recording: Recording, cache: Path) -> Path:
-    """The rosbag2 folder of this recording, rendered if the cache does not have it."""
+    """The bag of a recording, rendered if the cache does not hold it.
+
+    Args:
+        recording: What to render.
+        cache: The cache folder.
+
+    Returns:
+        The rosbag2 folder.
+    """
     name = (
         f"table-{VERSION}-{recording.width}x{recording.height}-"
         f"{recording.frames}-at-{recording.rate:g}hz"
@@ -73,7 +88,11 @@ def _frames(recording: Recording) -> Iterator[RecordedFrame]:
 
 
 def rendered_frames(recording: Recording) -> Iterator[Frame]:
-    """The same frames without a bag, as fusion takes them; rendered one by one."""
+    """The same frames without a bag, as fusion takes them; rendered one by one.
+
+    Args:
+        recording: What to render.
+    """
     camera = camera_of(recording.width, recording.height)
     for one in _frames(recording):
         yield Frame(

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Renders the table scene analytically: what a ray meets first, its colour, its sensed depth."""
+"""Renders the table scene analytically: nearest surface, its colour, its measured depth."""
 
 from __future__ import annotations
 
@@ -27,7 +27,12 @@ FOCAL_LENGTH = 525.0 / 640.0
 
 
 def camera_of(width: int, height: int) -> CameraIntrinsics:
-    """The pinhole camera of this resolution."""
+    """The pinhole camera of a resolution.
+
+    Args:
+        width: Pixels.
+        height: Pixels.
+    """
     focal = FOCAL_LENGTH * width
     return CameraIntrinsics(width, height, focal, focal, 0.5 * (width - 1), 0.5 * (height - 1))
 
@@ -35,9 +40,15 @@ def camera_of(width: int, height: int) -> CameraIntrinsics:
 def render(
     camera: CameraIntrinsics, T_world_camera: NDArray[np.float64], number: int
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
-    """Colour (H, W, 3) 8-bit sRGB and depth (H, W) in millimetres, 0 where the sensor saw none.
+    """Render one frame.
 
-    ``number`` seeds the depth's noise.
+    Args:
+        camera: The pinhole camera.
+        T_world_camera: (4, 4) pose of the optical frame.
+        number: Of the frame, a seed of the depth's noise.
+
+    Returns:
+        Colour (H, W, 3) 8-bit sRGB, and depth (H, W) uint16 in millimetres, 0 for no depth.
     """
     rgb = np.empty((camera.height, camera.width, 3), np.uint8)
     depth = np.empty((camera.height, camera.width), np.uint16)

@@ -29,7 +29,19 @@ def shade(
     srgb: NDArray[np.uint8],
     pixel: NDArray[np.uint8],
 ) -> None:
-    """Ward (Eq. 1) under distant lights, and an even sky over the diffuse part."""
+    """Shade a point: Ward (Eq. 1) under distant lights, and a uniform sky on the diffuse part.
+
+    Args:
+        direction: (3,) ray from the camera, not normalised.
+        length: Of ``direction``.
+        normal: (3,) unit.
+        albedo: (3,) linear ``rho_d``.
+        rho_s: Ward's specular reflectance.
+        alpha: Ward's roughness.
+        lights: (L, 6) unit directions towards the lights and their linear colours.
+        srgb: Table from linear values to 8-bit sRGB.
+        pixel: (3,) 8-bit sRGB, which is written.
+    """
     ox, oy, oz = -direction[0] / length, -direction[1] / length, -direction[2] / length
     cos_o = max(ox * normal[0] + oy * normal[1] + oz * normal[2], 1e-3)
     sky = 0.35 + 0.15 * normal[2]

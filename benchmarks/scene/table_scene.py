@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What stands in the scene: a glossy vase on a round table in a room, with clutter beside it.
+"""The scene: a glossy vase on a round table in a room, with clutter beside it.
 
 World frame: z up, the table top at z = 0, metres.
 """
@@ -13,7 +13,7 @@ from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.fusion.settings import RegionSettings
 
 VERSION = 1
-"""Recordings of another version are rendered anew."""
+"""Recordings of another version are rendered again."""
 
 ELLIPSOIDS = np.array(
     [
@@ -46,5 +46,5 @@ REGION = RegionSettings("box", (0.02, 0.0, 0.155), (0.38, 0.30, 0.30))
 
 
 def table_settings() -> ReflestSettings:
-    """The defaults, with the region around the object."""
+    """The default settings, with the region around the object."""
     return ReflestSettings(region=REGION)

@@ -22,7 +22,7 @@ from reflest_core.synbrdf.scenes.scene_file import load_scenes
 
 HEIGHT = 96
 DARKER = 0.25
-"""Of the pictures to the sensor's exposure, so that light beyond its white can be told."""
+"""Of the pictures to the sensor's exposure, so that light beyond its white can be recognised."""
 
 
 def lat_long(octahedral: NDArray[np.float32]) -> NDArray[np.float32]:

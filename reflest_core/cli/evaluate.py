@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""``reflest evaluate``: the paper's tables and figures, measured with our weights."""
+"""``reflest evaluate``: the paper's tables and figures, measured with the shipped weights."""
 
 from __future__ import annotations
 
@@ -29,11 +29,15 @@ ALL_PARTS = (
 )
 
 OPTIMISED = 8
-"""Scenes of each split, about ten seconds each on an idle core."""
+"""Scenes of each split for the slow baseline, about ten seconds each on an idle core."""
 
 
 def add_parser(subparsers: Any) -> None:
-    """Add the subcommand."""
+    """Add the subcommand.
+
+    Args:
+        subparsers: What :meth:`argparse.ArgumentParser.add_subparsers` returned.
+    """
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "evaluate", help="measure the networks on SynBRDF: tables, plots and pictures"
     )
@@ -59,12 +63,12 @@ def add_parser(subparsers: Any) -> None:
         "--runs", type=Path, help="folder of trained variants; default: the shipped weights"
     )
     parser.add_argument(
-        "--environments", type=Path, help="the data set's, to look at materials in unseen ones"
+        "--environments", type=Path, help="the data set's, to render materials under unseen ones"
     )
     parser.add_argument(
-        "--meshes", type=Path, help="the data set's, to render scenes that fail again"
+        "--meshes", type=Path, help="the data set's, to render badly estimated scenes from nearby"
     )
-    parser.add_argument("--limit", type=int, help="first so many scenes of each split")
+    parser.add_argument("--limit", type=int, help="only the first so many scenes of each split")
     parser.add_argument(
         "--optimised",
         type=int,
@@ -98,15 +102,24 @@ def add_parser(subparsers: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Measure the parts, one after another, and write the page."""
+    """Measure the parts, one after another, and write the page.
+
+    Args:
+        arguments: The parsed command line.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        ParameterError: neither DATA and ``--out`` nor ``--quick`` is given.
+    """
     if arguments.quick:
         return _run_quick()
     if arguments.data is None or arguments.out is None:
         raise ParameterError("reflest evaluate needs DATA and --out, or --quick")
     from reflest_core.evaluation.page import write_page
     from reflest_core.evaluation.parts import run_part
-    from reflest_core.evaluation.studies.study import Study
-    from reflest_core.evaluation.studies.study_settings import StudySettings
+    from reflest_core.evaluation.studies.study import Study, StudySettings
 
     settings = StudySettings(
         arguments.data,

@@ -7,40 +7,47 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from reflest_core.evaluation.contenders import EvaluationError
+from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.evaluation.pictures.plots import (
     draw_accuracy,
     draw_reliability,
     draw_scatter,
-    draw_time_accuracy,
     draw_views,
 )
 from reflest_core.evaluation.record_file import read_record
-from reflest_core.evaluation.sections import buys, cost, held_out, rivals, tables, trust, views
-from reflest_core.evaluation.sections.cells import Lines, Record
+from reflest_core.evaluation.sections import (
+    ablations,
+    comparisons,
+    cost,
+    held_out,
+    tables,
+    uncertainty,
+    views,
+)
+from reflest_core.evaluation.sections.markdown import Lines, Record
+from reflest_core.whole_file import write_whole
 
 SECTIONS: dict[str, Callable[[Record], Lines]] = {
     "table-2": tables.table_2,
     "table-3": tables.table_3,
     "views": views.views,
     "look-around": views.look_around,
-    "calibration": trust.calibration,
+    "calibration": uncertainty.calibration,
     "held-out-lights": held_out.held_out_lights,
-    "failures": trust.failures,
-    "ablation": buys.ablation,
-    "realism": buys.realism,
-    "realism-training": buys.realism_training,
+    "failures": uncertainty.failures,
+    "ablation": ablations.ablation,
+    "realism": ablations.realism,
+    "realism-training": ablations.realism_training,
     "latency": cost.latency,
     "time-accuracy": cost.time_accuracy,
     "eight-bit": cost.eight_bit,
-    "baselines": rivals.baselines,
-    "perception": rivals.perception,
+    "baselines": comparisons.baselines,
+    "perception": comparisons.perception,
     "quick": cost.quick,
 }
 PLOTS = {
     "views": draw_views,
     "calibration": draw_reliability,
-    "time-accuracy": draw_time_accuracy,
 }
 """Each into a file of its section's name."""
 
@@ -48,19 +55,30 @@ INTRODUCTION = [
     "# Results on SynBRDF",
     "",
     "Errors are normalised RMSE: every parameter z-scored with the training set's mean and",
-    "standard deviation; 1.0 is about what guessing the mean costs. `RMSE` is the root mean square",
+    "standard deviation; guessing the mean gives about 1.0. `RMSE` is the root mean square",
     "over scenes and parameters; `scene mean`, `median` and `p95` are of each scene's own RMSE;",
     "`mean of five` is the mean of the parameters' RMSEs.",
     "The *unseen* split's environments and shapes appear in no scene that a network was trained",
-    "or chosen on. 95 % intervals are bootstrapped over scenes, or over environments (scenes under",
-    "one of them err alike). The paper's figures (Kim et al. 2017, Tables 2, 3, section 3.3) are",
-    "of its own data set. `reflest evaluate` writes this page from the JSON files beside it.",
+    "or selected on. 95 % intervals are bootstrapped over scenes, or over environments, for errors",
+    "under one environment are correlated. The paper's figures (Kim et al. 2017, Tables 2 and 3,",
+    "section 3.3) are of its own data set. `reflest evaluate` writes this page from the JSON files",
+    "beside it.",
     "",
 ]
 
 
 def write_page(folder: Path) -> Path:
-    """Write ``index.md`` and its plots into ``folder`` from the records there."""
+    """Write ``index.md`` and its plots from the records in a folder.
+
+    Args:
+        folder: Where the records are and the page goes.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        EvaluationError: there are no records, or one was written by another version.
+    """
     records = {name: read_record(folder / f"{name}.json") for name in SECTIONS}
     measured = {name: record for name, record in records.items() if record is not None}
     if not measured:
@@ -71,11 +89,11 @@ def write_page(folder: Path) -> Path:
             lines += _section(folder, name, record)
         except (KeyError, TypeError) as error:
             raise EvaluationError(
-                f"{folder / name}.json lacks what the page shows ({error}): another version of "
-                f"reflest wrote it; measure it again with --parts {_part(name)}"
+                f"{folder / name}.json lacks a field that the page shows ({error}): another "
+                f"version of reflest wrote it; measure it again with --parts {_part(name)}"
             ) from error
     path = folder / "index.md"
-    path.write_text("\n".join(lines + _commands(measured)) + "\n")
+    write_whole(path, ("\n".join(lines + _commands(measured)) + "\n").encode())
     return path
 
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Figures of Kim et al. 2017 that ours stand beside; nothing here is our own."""
+"""Figures of Kim et al. 2017 that the page shows beside the measured ones."""
 
 from __future__ import annotations
 
@@ -23,7 +23,13 @@ MATERIALS = (
 
 @dataclass(frozen=True)
 class PaperRow:
-    """A row of Tables 2 and 3: RMSE on their validation set, users' rank, RMSE of ten materials."""
+    """A row of Tables 2 and 3 of the paper.
+
+    Attributes:
+        rmse: Normalised RMSE on the paper's validation set.
+        rank: The rank that the paper's users gave.
+        materials: RMSE of the ten :data:`MATERIALS`.
+    """
 
     rmse: float
     rank: int

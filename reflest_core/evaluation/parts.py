@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What can be measured, by name."""
+"""The parts of an evaluation, by name."""
 
 from __future__ import annotations
 
@@ -9,15 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from reflest_core.evaluation.contenders import (
+from reflest_core.evaluation.estimates import SceneEstimates, as_figures
+from reflest_core.evaluation.networks import (
     LIGHTNET,
     EvaluationError,
-    find_contenders,
-    known_light,
-    named,
+    find_networks,
+    network_named,
+    require_lightnet,
 )
-from reflest_core.evaluation.estimates import SceneEstimates
-from reflest_core.evaluation.estimates_file import as_figures
 from reflest_core.evaluation.pictures.contact_sheet import SHOWN, draw_contact_sheet
 from reflest_core.evaluation.pictures.failure_pictures import (
     Picture,
@@ -26,8 +25,7 @@ from reflest_core.evaluation.pictures.failure_pictures import (
     thumbnail_picture,
 )
 from reflest_core.evaluation.pictures.perception import measure_perception
-from reflest_core.evaluation.quick_check import write_expected
-from reflest_core.evaluation.quick_set import QUICK_SET, VARIANT, save_quick_set
+from reflest_core.evaluation.quick_check import QUICK_SET, VARIANT, save_quick_set, write_expected
 from reflest_core.evaluation.shown_scenes import load_shown, random_subset
 from reflest_core.evaluation.source_scenes import SourceScenes
 from reflest_core.evaluation.studies.ablation import collect_ablation
@@ -36,11 +34,13 @@ from reflest_core.evaluation.studies.calibration import measure_calibration
 from reflest_core.evaluation.studies.failures import find_failures
 from reflest_core.evaluation.studies.held_out_lights import measure_held_out_lights
 from reflest_core.evaluation.studies.look_around_study import measure_look_around
-from reflest_core.evaluation.studies.realism_cost import measure_realism
-from reflest_core.evaluation.studies.realism_training import measure_realism_training
-from reflest_core.evaluation.studies.size_and_latency import measure_eight_bit, measure_latency
+from reflest_core.evaluation.studies.realism import measure_realism, measure_realism_training
+from reflest_core.evaluation.studies.size_and_latency import (
+    measure_eight_bit,
+    measure_latency,
+    measure_time_accuracy,
+)
 from reflest_core.evaluation.studies.study import Study
-from reflest_core.evaluation.studies.time_accuracy import measure_time_accuracy
 from reflest_core.evaluation.studies.view_study import measure_views
 from reflest_core.evaluation.table_2 import measure_table_2, measure_table_3
 from reflest_core.models.normalisation import ParameterStatistics
@@ -49,25 +49,25 @@ from reflest_core.training.data.sample import Sample
 
 Figures = dict[str, Any]
 
-LOOKED_AT = 100
-"""Materials that are judged by their looks, drawn by :data:`LOOKS_SEED`."""
-LOOKS_SEED = 5
+RENDERED = 100
+"""Materials of the part ``perception``, drawn by :data:`RENDERED_SEED`."""
+RENDERED_SEED = 5
 FEW_SCENES = 100
 """Of a split, for parts that estimate every scene many times; drawn by :data:`SUBSET_SEED`."""
 SUBSET_SEED = 13
 
 
 def _table_2(study: Study) -> Figures:
-    rows, estimates = measure_table_2(study.contenders, study.splits)
+    rows, estimates = measure_table_2(study.networks, study.splits)
     study.write("estimates", as_figures(estimates, study.splits))
     samples = study.splits["validation"]
-    study.write("table-3", measure_table_3(study.contenders, samples, estimates["validation"]))
+    study.write("table-3", measure_table_3(study.networks, samples, estimates["validation"]))
     return {"rows": rows}
 
 
 def _perception(study: Study) -> Figures:
     samples, made = study.splits["validation"], study.estimates["validation"]
-    drawn = np.random.default_rng(LOOKS_SEED).permutation(len(samples))[:LOOKED_AT]
+    drawn = np.random.default_rng(RENDERED_SEED).permutation(len(samples))[:RENDERED]
     estimates = {name: of.ward[drawn] for name, of in made.items()}
     judged = [samples[row] for row in drawn]
     draw_contact_sheet(
@@ -81,16 +81,16 @@ def _perception(study: Study) -> Figures:
 
 
 def _quick(study: Study) -> Figures:
-    contender = named(study.contenders, VARIANT)
-    if contender is None:
+    network = network_named(study.networks, VARIANT)
+    if network is None:
         raise EvaluationError(f"the quick set needs weights of {VARIANT}; train it first")
     save_quick_set(QUICK_SET, study.splits["validation"])
-    return write_expected(contender)
+    return write_expected(network)
 
 
 def _lightnets(study: Study, split: str) -> tuple[SceneEstimates, ParameterStatistics]:
     """Its estimates of a split, as Table 2 has them, and what z-scores are made with."""
-    statistics = known_light(study.contenders).predictor().card.statistics["ward"]
+    statistics = require_lightnet(study.networks).predictor().card.statistics["ward"]
     return study.estimates[split][LIGHTNET], statistics
 
 
@@ -149,7 +149,7 @@ def _ablation(study: Study) -> Figures:
 
 
 def _realism(study: Study) -> Figures:
-    return measure_realism(study.contenders, _few_clean_scenes(study))
+    return measure_realism(study.networks, _few_clean_scenes(study))
 
 
 def _realism_training(study: Study) -> Figures:
@@ -158,8 +158,8 @@ def _realism_training(study: Study) -> Figures:
         raise EvaluationError(
             "part realism-training needs --unhardened FOLDER, with trainings without --realism"
         )
-    unhardened = [one for one in find_contenders(folder) if one.name != LIGHTNET]
-    return measure_realism_training(study.contenders, unhardened, _few_clean_scenes(study))
+    unhardened = [one for one in find_networks(folder) if one.name != LIGHTNET]
+    return measure_realism_training(study.networks, unhardened, _few_clean_scenes(study))
 
 
 def _few_clean_scenes(study: Study) -> list[SynbrdfScene]:
@@ -175,12 +175,12 @@ def _look_around(study: Study) -> Figures:
         raise EvaluationError("part look-around needs the data set's --environments and --meshes")
     sources = SourceScenes(settings.data, settings.environments, settings.meshes)
     return measure_look_around(
-        known_light(study.contenders), study.scenes, sources.drawn, sources.training_rooms()
+        require_lightnet(study.networks), study.scenes, sources.drawn, sources.training_rooms()
     )
 
 
 def _time_accuracy(study: Study) -> Figures:
-    return measure_time_accuracy(known_light(study.contenders), _few_samples(study))
+    return measure_time_accuracy(require_lightnet(study.networks), _few_samples(study))
 
 
 def _few_samples(study: Study) -> list[Sample]:
@@ -189,7 +189,7 @@ def _few_samples(study: Study) -> list[Sample]:
 
 PARTS: dict[str, Callable[[Study], Figures]] = {
     "table-2": _table_2,
-    "views": lambda study: measure_views(study.contenders, study.scenes),
+    "views": lambda study: measure_views(study.networks, study.scenes),
     "look-around": _look_around,
     "calibration": _calibration,
     "held-out-lights": _held_out_lights,
@@ -197,11 +197,11 @@ PARTS: dict[str, Callable[[Study], Figures]] = {
     "ablation": _ablation,
     "realism": _realism,
     "realism-training": _realism_training,
-    "latency": lambda study: measure_latency(study.contenders, study.splits["validation"]),
+    "latency": lambda study: measure_latency(study.networks, study.splits["validation"]),
     "time-accuracy": _time_accuracy,
-    "eight-bit": lambda study: measure_eight_bit(study.contenders, _few_samples(study)),
+    "eight-bit": lambda study: measure_eight_bit(study.networks, _few_samples(study)),
     "baselines": lambda study: measure_baselines(
-        study.contenders, study.splits, study.settings.optimised
+        study.networks, study.splits, study.settings.optimised
     ),
     "perception": _perception,
     "quick": _quick,
@@ -210,5 +210,13 @@ PARTS: dict[str, Callable[[Study], Figures]] = {
 
 
 def run_part(study: Study, part: str) -> None:
-    """Measure ``part``, one of :data:`PARTS`, and write its record."""
+    """Measure one part and write its record.
+
+    Args:
+        study: The networks, scenes and settings.
+        part: A key of :data:`PARTS`.
+
+    Raises:
+        EvaluationError: an option that the part needs is missing.
+    """
     study.write(part, PARTS[part](study))

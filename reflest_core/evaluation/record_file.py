@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from reflest_core.evaluation.contenders import EvaluationError
+from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.synbrdf.scenes.scene_file import MANIFEST
 from reflest_core.whole_file import write_whole
 
@@ -23,7 +23,13 @@ NUMBERS = re.compile(r"\[([-+.\deE,\s]+)\]")
 
 @dataclass(frozen=True)
 class Provenance:
-    """How a record was made: ``command``, the checkout's ``commit``, and the data set."""
+    """How a record was made.
+
+    Attributes:
+        command: The command line, without folders of the machine.
+        commit: The checkout's commit.
+        data: The data set in words.
+    """
 
     command: str
     commit: str
@@ -31,12 +37,26 @@ class Provenance:
 
 
 def provenance_of(command: str, data: Path) -> Provenance:
-    """Of this checkout and the data set in the folder ``data``."""
+    """The provenance of figures that this checkout measures.
+
+    Args:
+        command: The command line.
+        data: Folder of the data set.
+
+    Raises:
+        EvaluationError: the folder holds no data set.
+    """
     return Provenance(command, _commit(), _describe(data))
 
 
 def write_record(path: Path, provenance: Provenance, figures: dict[str, Any]) -> None:
-    """Write the record whole or not at all; a list of numbers stays on one line."""
+    """Write a record whole or not at all; a list of numbers stays on one line.
+
+    Args:
+        path: The JSON file.
+        provenance: How the figures were made.
+        figures: JSON values, NumPy arrays and data classes by name.
+    """
     record = {"provenance": dataclasses.asdict(provenance), **figures}
     path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps(record, indent=1, default=_plain)
@@ -44,7 +64,14 @@ def write_record(path: Path, provenance: Provenance, figures: dict[str, Any]) ->
 
 
 def read_record(path: Path) -> dict[str, Any] | None:
-    """The record, or None where there is no such file."""
+    """Read a record.
+
+    Returns:
+        The record, or None where there is no such file.
+
+    Raises:
+        EvaluationError: the file is not JSON.
+    """
     if not path.exists():
         return None
     try:

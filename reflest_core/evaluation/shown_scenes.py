@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Scenes as a scan leaves them: what the shown views saw of the surface and of the light behind."""
+"""Scenes as a scan leaves them: what the chosen views observed of the surface and of the light."""
 
 from __future__ import annotations
 
@@ -29,7 +29,17 @@ Scene = TypeVar("Scene", SynbrdfScene, Sample)
 def load_shown(
     folder: Path, split: str, degradation: Degradation | None = None, limit: int | None = None
 ) -> list[SynbrdfScene]:
-    """The first ``limit`` usable scenes of a split, with faults if given."""
+    """Load the usable scenes of a split.
+
+    Args:
+        folder: The data set.
+        split: ``train``, ``validation`` or ``unseen``.
+        degradation: Faults of a real capture that the scenes get, or None.
+        limit: Only the first so many scenes; None for all.
+
+    Raises:
+        TrainingError: the split has no usable scene.
+    """
     scenes = list(usable_scenes(folder, split, degradation))[:limit]
     if not scenes:
         raise TrainingError(f"{folder} holds no scenes of split {split!r}; generate them first")
@@ -41,10 +51,14 @@ def shown(
     views: NDArray[np.int64] | None = None,
     looks_away: Sequence[Background] = (),
 ) -> Sample:
-    """What an estimate may know after ``views`` (all, if None): their observations and background.
+    """The observations of some views of a scene, as a sample.
 
-    No pixel of another view enters: neither the surface's colours nor the light. ``looks_away``:
-    frames of the light alone.
+    No pixel of another view enters: neither the surface's colours nor the light.
+
+    Args:
+        scene: A scene of the data set.
+        views: (W,) int64, indices of views; None for all.
+        looks_away: Further frames, which show the light alone.
     """
     if views is None:
         views = np.arange(len(scene.surface.view_centres))
@@ -54,6 +68,12 @@ def shown(
 
 
 def random_subset(scenes: list[Scene], count: int, seed: int) -> list[Scene]:
-    """At most ``count`` scenes, drawn by ``seed``, in their order."""
+    """At most ``count`` scenes, drawn at random, in their order.
+
+    Args:
+        scenes: What to draw from.
+        count: How many at most.
+        seed: Of the random generator.
+    """
     order = np.random.default_rng(seed).permutation(len(scenes))[:count]
     return [scenes[index] for index in sorted(order.tolist())]

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Table 2 and Table 3: the networks on validation and on unseen scenes, and on ten materials."""
+"""Tables 2 and 3: the networks on validation and on unseen scenes, and on ten materials."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from reflest_core.evaluation.contenders import Contender
-from reflest_core.evaluation.estimates import SceneEstimates, estimate_all
+from reflest_core.evaluation.estimates import Estimates, SceneEstimates, estimate_all
+from reflest_core.evaluation.networks import EvaluatedNetwork
 from reflest_core.evaluation.paper_figures import MATERIALS, TABLES_2_AND_3
 from reflest_core.evaluation.statistics.accuracy import Accuracy, accuracy, scene_errors
 from reflest_core.evaluation.statistics.breakdown import break_down
@@ -20,15 +20,20 @@ from reflest_core.training.data.sample import Sample
 MATERIAL_SEED = 3
 """Draws Table 3's ten scenes from the validation split."""
 
-Estimates = dict[str, dict[str, SceneEstimates]]
-"""By split and variant."""
-
 
 @dataclass(frozen=True)
 class Row:
-    """One network on one split, beside the paper's figures for it, where it is the paper's.
+    """One network on one split, with the paper's figures where it has them.
 
-    ``breakdown``: of :func:`~.breakdown.break_down`.
+    Attributes:
+        variant: The network's name.
+        title: Its name in tables.
+        model_id: Its weights.
+        split: ``validation`` or ``unseen``.
+        accuracy: Errors and their intervals.
+        breakdown: Result of :func:`.break_down`.
+        paper_rmse: The paper's RMSE, or None.
+        paper_rank: The rank by the paper's users, or None.
     """
 
     variant: str
@@ -42,23 +47,31 @@ class Row:
 
 
 def measure_table_2(
-    contenders: list[Contender], splits: dict[str, list[Sample]]
+    networks: list[EvaluatedNetwork], splits: dict[str, list[Sample]]
 ) -> tuple[list[Row], Estimates]:
-    """Every contender on every split."""
+    """Measure every network on every split.
+
+    Args:
+        networks: The networks to compare.
+        splits: The scenes of each split.
+
+    Returns:
+        The table's rows, and the estimates that they were computed from.
+    """
     rows: list[Row] = []
     estimates: Estimates = {split: {} for split in splits}
-    for contender in contenders:
-        estimator = contender.estimator()
+    for network in networks:
+        estimator = network.estimator()
         statistics = estimator.predictor.card.statistics
-        paper = TABLES_2_AND_3.get(contender.name)
+        paper = TABLES_2_AND_3.get(network.name)
         for split, samples in splits.items():
-            made = estimate_all(estimator, samples, f"{contender.name} on {split}")
-            estimates[split][contender.name] = made
+            made = estimate_all(estimator, samples, f"{network.name} on {split}")
+            estimates[split][network.name] = made
             theirs = paper if split == "validation" else None
             rows.append(
                 Row(
-                    contender.name,
-                    contender.title,
+                    network.name,
+                    network.title,
                     estimator.predictor.model_id,
                     split,
                     accuracy(made.ward, samples, statistics),
@@ -71,23 +84,32 @@ def measure_table_2(
 
 
 def measure_table_3(
-    contenders: list[Contender], samples: list[Sample], estimates: dict[str, SceneEstimates]
+    networks: list[EvaluatedNetwork], samples: list[Sample], estimates: dict[str, SceneEstimates]
 ) -> dict[str, Any]:
-    """RMSE of ten validation scenes, drawn by seed, beside the paper's ten (other scenes)."""
+    """RMSE of ten validation scenes, drawn at random by a fixed seed.
+
+    Args:
+        networks: The networks to compare.
+        samples: The validation scenes.
+        estimates: Their estimates, by network.
+
+    Returns:
+        The record of Table 3, with the paper's ten materials beside it.
+    """
     count = min(len(MATERIALS), len(samples))
     drawn = np.random.default_rng(MATERIAL_SEED).permutation(len(samples))[:count]
     rows = []
-    for contender in contenders:
+    for network in networks:
         errors = scene_errors(
-            estimates[contender.name].ward, samples, contender.predictor().card.statistics
+            estimates[network.name].ward, samples, network.predictor().card.statistics
         )
         rows.append(
             {
-                "variant": contender.name,
-                "title": contender.title,
+                "variant": network.name,
+                "title": network.title,
                 "errors": errors[drawn].tolist(),
                 "average": float(errors.mean()),
-                "paper": _theirs(contender.name),
+                "paper": _theirs(network.name),
             }
         )
     return {

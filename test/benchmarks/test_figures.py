@@ -11,12 +11,12 @@ import time
 
 import pytest
 
-from benchmarks.comparison import compare_with_open3d
 from benchmarks.live.message_account import TimedEstimate, account
 from benchmarks.measuring.resident_memory import forget_peak, peak_mb, resident_mb
 from benchmarks.measuring.stage_clock import Stage, StageClock, StageMoved
 from benchmarks.measuring.timing import Timing
 from benchmarks.report.table import number, table
+from benchmarks.run import compare_with_open3d
 from reflest_core.capture import pose
 
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Objects to judge materials by: a smooth sphere and a bumpy one, seen from far along -y."""
+"""Objects that materials are rendered on: a smooth and a bumpy sphere, seen along +y from afar."""
 
 from __future__ import annotations
 
@@ -20,7 +20,13 @@ BUMPS = ((5.0, 0.3, 0.07), (8.0, 1.9, 0.04), (13.0, 4.1, 0.02))
 
 @dataclass(frozen=True)
 class Shape:
-    """What the camera sees: ``inside`` (SIZE, SIZE) bool and unit ``normals`` (P, 3) there."""
+    """The object's pixels and their normals.
+
+    Attributes:
+        name: ``sphere`` or ``bumpy``.
+        inside: (SIZE, SIZE) bool, pixels of the object.
+        normals: (P, 3) float64, unit, of these pixels in row-major order; x right, z up.
+    """
 
     name: str
     inside: NDArray[np.bool_]
@@ -28,12 +34,12 @@ class Shape:
 
 
 def sphere() -> Shape:
-    """A smooth ball."""
+    """A smooth sphere of radius 1."""
     return _orthographic("sphere", height=0.0)
 
 
 def bumpy_sphere() -> Shape:
-    """A ball with bumps and dents in many directions; it casts no shadow on itself."""
+    """A sphere with bumps and dents in many directions; it casts no shadow on itself."""
     return _orthographic("bumpy", height=1.0)
 
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A view of a SynBRDF scene rendered anew, near enough to see the object.
+"""A view of a SynBRDF scene rendered from nearby, so that the object fills the picture.
 
 Importing this module loads Mitsuba.
 """
@@ -27,14 +27,27 @@ MARGIN = 1.5
 
 
 class CloseUps:
-    """Renders scenes of the data set in ``data`` with the sources that it was generated from."""
+    """Renders scenes of a data set with the sources that it was generated from.
+
+    Attributes:
+        sources: The scenes before rendering.
+        images: The renderer of whole images.
+    """
 
     def __init__(self, data: Path, environments: Path | None, meshes: Path | None) -> None:
         self.sources = SourceScenes(data, environments, meshes)
         self.images = SceneImages(self.sources.generation, WIDTH, HEIGHT, SAMPLES)
 
     def picture(self, scene: SynbrdfScene, view: int) -> NDArray[np.float64]:
-        """(HEIGHT, WIDTH, 3) sRGB in [0, 1] of the object in one view, as the camera exposed it."""
+        """Render the object in one view, with the camera's exposure.
+
+        Args:
+            scene: A scene of the data set.
+            view: Index of the view.
+
+        Returns:
+            (HEIGHT, WIDTH, 3) float64 sRGB in [0, 1].
+        """
         drawn = self.sources.drawn(scene)
         renderer = FullImageRenderer(close_up(scene.thumbnails.is_object[view]), SAMPLES)
         image = renderer.render(
@@ -48,7 +61,11 @@ class CloseUps:
 
 
 def close_up(is_object: NDArray[np.bool_]) -> CameraIntrinsics:
-    """A camera at a thumbnail's pose whose picture the object (36, 48) nearly fills."""
+    """A camera at a thumbnail's pose whose picture the object nearly fills.
+
+    Args:
+        is_object: (36, 48) bool, the thumbnail's pixels of the object.
+    """
     if not is_object.any():
         is_object = np.ones_like(is_object)
     rows, columns = (np.flatnonzero(is_object.any(axis=axis)) for axis in (1, 0))

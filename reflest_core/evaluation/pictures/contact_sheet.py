@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A sheet of pictures: truth and every variant's estimate, material by material."""
+"""A sheet of pictures: the truth and every network's estimate, material by material."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.evaluation.contenders import EvaluationError
+from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.evaluation.pictures.bumpy import SIZE
 from reflest_core.evaluation.pictures.swatches import Swatch
 from reflest_core.training.data.sample import Sample
@@ -24,10 +24,19 @@ def draw_contact_sheet(
     samples: list[Sample],
     estimates: dict[str, NDArray[np.float64]],
 ) -> None:
-    """Write a PNG: a row for the truth and for each variant, a column pair for each material.
+    """Write a PNG with a row for the truth and each network, two columns for each material.
 
-    Each material is shown on the sphere under the first environment and on the bumpy object
-    under a point light. ``samples`` and rows of ``estimates`` are those to be shown.
+    Each material is shown on the sphere under the first environment and on the bumpy sphere under a
+    point light.
+
+    Args:
+        path: The file to write.
+        swatches: Result of :func:`.prepare_swatches`.
+        samples: The scenes to show.
+        estimates: (S, 5) Ward parameters of these scenes, by network.
+
+    Raises:
+        EvaluationError: matplotlib is not installed.
     """
     try:
         from matplotlib.figure import Figure

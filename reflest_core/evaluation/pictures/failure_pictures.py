@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of a scene that was estimated badly: a view, the light seen, truth beside estimate."""
+"""Pictures of a badly estimated scene: a view, the observed light, truth and estimate."""
 
 from __future__ import annotations
 
@@ -31,7 +31,16 @@ def draw_failure(
     truth: NDArray[np.float64],
     estimate: NDArray[np.float64],
 ) -> None:
-    """Write a PNG of four pictures in a row; ``view``: one of the scene's, sRGB."""
+    """Write a PNG of four pictures in a row.
+
+    Args:
+        path: The file to write.
+        view: (H, W, 3) sRGB in [0, 1], a view of the scene.
+        light: The light that was observed.
+        swatch: Renders truth and estimate.
+        truth: (5,) Ward parameters.
+        estimate: (5,) Ward parameters.
+    """
     panels = {
         "a view": view,
         "light (dim: not seen)": light_picture(light),
@@ -50,16 +59,35 @@ def draw_failure(
 
 
 def fullest_view(scene: SynbrdfScene) -> int:
-    """The view that shows most of the object."""
+    """Index of the view that shows most of the object.
+
+    Args:
+        scene: A scene of the data set.
+    """
     return int(scene.thumbnails.is_object.sum(axis=(1, 2)).argmax())
 
 
 def thumbnail_picture(scene: SynbrdfScene, view: int) -> Picture:
-    """The thumbnail (36, 48, 3) of a view, sRGB, as the camera exposed it."""
+    """The thumbnail of a view with the camera's exposure.
+
+    Args:
+        scene: A scene of the data set.
+        view: Index of the view.
+
+    Returns:
+        (36, 48, 3) float64 sRGB in [0, 1].
+    """
     thumbnail = scene.thumbnails.of_views(np.array([view]))
     return expose(thumbnail.radiance()[0], scene.exposure) / 255.0
 
 
 def light_picture(light: ObservedLight) -> Picture:
-    """The light as a lat-long sRGB picture, zenith up; dim where it was not seen but completed."""
+    """The completed light as a picture; what was not observed is dimmed.
+
+    Args:
+        light: The observed light.
+
+    Returns:
+        (LIGHT_ROWS, 2 LIGHT_ROWS, 3) float64 sRGB in [0, 1], equirectangular, zenith up.
+    """
     return tone_mapped(from_octahedral(complete(light).levels[0], LIGHT_ROWS)) / 255.0

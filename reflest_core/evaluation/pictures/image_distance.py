@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""How unlike two pictures look: FLIP, PSNR and SSIM."""
+"""Distances between two pictures: FLIP, PSNR and SSIM."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
-from reflest_core.evaluation.contenders import EvaluationError
+from reflest_core.evaluation.networks import EvaluationError
 
 PIXELS_PER_DEGREE = 30.0
 """A picture of 64 pixels seen as a swatch of two degrees: a coin at arm's length."""
@@ -21,7 +21,13 @@ PIXELS_PER_DEGREE = 30.0
 
 @dataclass(frozen=True)
 class ImageDistance:
-    """``flip``: mean of Andersson et al. 2020, 0 to 1. ``psnr``: dB. ``ssim``: up to 1."""
+    """Distances of a picture from its reference.
+
+    Attributes:
+        flip: Mean FLIP (Andersson et al. 2020), 0 for equal pictures, at most 1.
+        psnr: Peak signal to noise ratio, decibels.
+        ssim: Structural similarity, 1 for equal pictures.
+    """
 
     flip: float
     psnr: float
@@ -48,7 +54,15 @@ def _metrics() -> _Metrics:
 
 
 def image_distance(reference: NDArray[np.float64], other: NDArray[np.float64]) -> ImageDistance:
-    """Of two sRGB pictures (H, W, 3) in [0, 1]."""
+    """Compare two pictures.
+
+    Args:
+        reference: (H, W, 3) sRGB in [0, 1].
+        other: The same shape.
+
+    Raises:
+        EvaluationError: a package of the extra ``training`` is missing.
+    """
     metrics = _metrics()
     pair = np.asarray(reference, np.float32), np.asarray(other, np.float32)
     # A thread for every core takes twenty times as long as one for so small a picture.

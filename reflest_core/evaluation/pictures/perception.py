@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A ranking by looks, in place of the paper's ten users: estimates rendered and compared."""
+"""A ranking by appearance, in place of the paper's ten users: estimates rendered and compared."""
 
 from __future__ import annotations
 
@@ -28,7 +28,11 @@ Lights = dict[str, NDArray[np.float32]]
 
 
 def prepare_swatches(lights: Lights) -> list[Swatch]:
-    """Both shapes under every environment and under a point light in four places."""
+    """Both shapes under every environment and under a point light in four places.
+
+    Args:
+        lights: Environments by name.
+    """
     swatches: list[Swatch] = []
     for shape in (sphere(), bumpy_sphere()):
         for name, radiance in lights.items():
@@ -41,10 +45,18 @@ def prepare_swatches(lights: Lights) -> list[Swatch]:
 def measure_perception(
     swatches: list[Swatch], samples: list[Sample], estimates: dict[str, NDArray[np.float64]]
 ) -> dict[str, Any]:
-    """Distances of each variant's pictures from the truth's, and the variants' ranks.
+    """Distances of each network's pictures from the truth's, and the networks' ranks.
 
-    ``estimates``: (S, 5) by variant. A variant's rank on one material is by its mean FLIP there;
-    variants are ordered by their mean rank, as the paper's are by their users'.
+    A network's rank on one material is by its mean FLIP over the swatches. Networks are ordered by
+    their mean rank, as the paper orders them by the users' ranks.
+
+    Args:
+        swatches: Result of :func:`prepare_swatches`.
+        samples: S scenes.
+        estimates: (S, 5) Ward parameters by network.
+
+    Returns:
+        The record of the part ``perception``.
     """
     distances = np.empty((len(estimates), len(samples), len(swatches), len(METRICS)))
     for index, sample in enumerate(tqdm(samples, desc="pictures", unit="material", leave=False)):

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Plots beside the page's tables, from the same records."""
+"""The plots of the results page, from its records."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from reflest_core.evaluation.contenders import EvaluationError
+from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.evaluation.paper_figures import USEFUL_VIEWS
 from reflest_core.models.normalisation import WARD_NAMES
 
@@ -22,11 +22,19 @@ CURVES = {
     "Grouplet-slow": "#e08b2d",
     "lightnet": "#1f7a4d",
 }
-"""The colours of the paper's Figure 6, and ours."""
+"""The colours of the paper's Figure 6, and one for lightnet."""
 
 
 def new_figure(width: float, height: float) -> Any:
-    """A figure of so many inches; :class:`EvaluationError` without matplotlib."""
+    """An empty matplotlib figure.
+
+    Args:
+        width: Inches.
+        height: Inches.
+
+    Raises:
+        EvaluationError: matplotlib is not installed.
+    """
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
@@ -35,7 +43,12 @@ def new_figure(width: float, height: float) -> Any:
 
 
 def draw_views(path: Path, record: dict[str, Any]) -> None:
-    """Figure 6: a panel for each split, a curve for each network."""
+    """Draw Figure 6: a panel for each split, a curve for each network.
+
+    Args:
+        path: The PNG to write.
+        record: Result of :func:`.measure_views`.
+    """
     figure = new_figure(8.6, 3.6)
     panels = figure.subplots(1, len(record["scenes"]), sharey=True, squeeze=False)[0]
     top = 1.1 * max(max(curve["rmse"]) for curve in record["curves"])
@@ -52,7 +65,12 @@ def draw_views(path: Path, record: dict[str, Any]) -> None:
 
 
 def draw_reliability(path: Path, record: dict[str, Any]) -> None:
-    """Nominal against observed coverage of every parameter, a panel for each split."""
+    """Draw stated against observed coverage of every parameter, a panel for each split.
+
+    Args:
+        path: The PNG to write.
+        record: Result of :func:`.measure_calibration` by split, under ``splits``.
+    """
     figure = new_figure(8.6, 4.0)
     panels = figure.subplots(1, len(record["splits"]), sharey=True, squeeze=False)[0]
     for axes, (split, of) in zip(panels, record["splits"].items(), strict=True):
@@ -66,28 +84,13 @@ def draw_reliability(path: Path, record: dict[str, Any]) -> None:
     figure.savefig(path, dpi=100)
 
 
-def draw_time_accuracy(path: Path, record: dict[str, Any]) -> None:
-    """Error with its interval against the median time of an estimate; numbers are voxels."""
-    figure = new_figure(5.6, 3.4)
-    axes = figure.subplots()
-    times = [point["median_ms"] for point in record["points"]]
-    errors = [point["rmse"] for point in record["points"]]
-    lows, highs = (
-        [point["over_scenes"][end] for point in record["points"]] for end in ("low", "high")
-    )
-    axes.vlines(times, lows, highs, color=CURVES["lightnet"], alpha=0.4)
-    axes.plot(times, errors, "o-", color=CURVES["lightnet"])
-    for point, high in zip(record["points"], highs, strict=True):
-        place = (point["median_ms"], high)
-        axes.annotate(str(point["voxels"]), place, (0, 4), textcoords="offset points", ha="center")
-    axes.set(xlabel="ms an estimate, one thread", ylabel="normalised RMSE, validation")
-    axes.margins(x=0.15)
-    axes.set_ylim(0, 1.15 * max(highs))
-    figure.savefig(path, dpi=100)
-
-
 def draw_accuracy(path: Path, record: dict[str, Any]) -> None:
-    """Every variant's RMSE on each split with its interval, beside the paper's figure."""
+    """Draw every network's RMSE on each split with its interval, and the paper's.
+
+    Args:
+        path: The PNG to write.
+        record: The record of Table 2.
+    """
     rows = record["rows"]
     titles = list(dict.fromkeys(row["title"] for row in rows))
     figure = new_figure(7.2, 0.5 * len(titles) + 1.4)
@@ -121,7 +124,13 @@ def draw_accuracy(path: Path, record: dict[str, Any]) -> None:
 
 
 def draw_scatter(path: Path, estimates: dict[str, Any], network: str) -> None:
-    """Estimates of ``network`` against truths on each split; the diagonal is perfect."""
+    """Draw estimates against truths on each split.
+
+    Args:
+        path: The PNG to write.
+        estimates: Result of :func:`.as_figures`.
+        network: The network's name.
+    """
     splits = ("validation", "unseen")
     figure = new_figure(11, 3.4 * len(splits))
     figure.suptitle(network)

@@ -1,9 +1,9 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of any Ward BRDF under fixed lights in no time: what does not depend on it is kept.
+"""Fast pictures of any Ward BRDF under fixed lights.
 
-Under an environment a picture is linear in ``rho_d`` and ``rho_s``, so that one irradiance map and
-the specular response at a ladder of roughnesses give every picture.
+Under an environment a picture is linear in ``rho_d`` and ``rho_s``. One irradiance map and the
+specular response at a series of roughnesses, computed once, give every picture.
 """
 
 from __future__ import annotations
@@ -33,7 +33,14 @@ Picture = NDArray[np.float64]
 
 
 def point_light_directions(count: int = 4) -> NDArray[np.float64]:
-    """(count, 3) unit: a light that circles the camera's axis, 50 degrees aside."""
+    """Directions of a light that circles the camera's axis at 50 degrees.
+
+    Args:
+        count: Number of directions.
+
+    Returns:
+        (count, 3) float64, unit, towards the light.
+    """
     turn = 2 * math.pi * (np.arange(count) + 0.5) / count
     aside = math.radians(50)
     return np.stack(
@@ -48,7 +55,15 @@ def point_light_directions(count: int = 4) -> NDArray[np.float64]:
 
 @dataclass(frozen=True)
 class EnvironmentSwatch:
-    """One shape under one environment; ``glossy``: (A, P, 3) of ``rho_s`` = 1."""
+    """One shape under one environment.
+
+    Attributes:
+        shape: What is rendered; it has P pixels.
+        light: The environment's name.
+        diffuse: (P, 3) linear radiance of a white matt surface.
+        glossy: (A, P, 3) linear radiance of ``rho_s`` = 1 at each of :data:`ALPHAS`.
+        exposure: Factor on linear radiance before sRGB encoding.
+    """
 
     shape: Shape
     light: str
@@ -58,7 +73,13 @@ class EnvironmentSwatch:
 
     @staticmethod
     def prepare(shape: Shape, light: str, radiance: NDArray[np.float32]) -> EnvironmentSwatch:
-        """Sum over ``radiance``, lat-long as :func:`~.rendering.environments.look_up` reads it."""
+        """Integrate the environment for every pixel and roughness.
+
+        Args:
+            shape: What is rendered.
+            light: The environment's name.
+            radiance: (H, 2 H, 3) linear, as :func:`~.rendering.environments.look_up` reads it.
+        """
         frames = _local_frames(shape.normals)
         omega_o = np.einsum("pij,j->pi", frames, TOWARDS_CAMERA)[:, None]
         edge = np.arange(STRATA) / STRATA
@@ -74,7 +95,14 @@ class EnvironmentSwatch:
         return EnvironmentSwatch(shape, light, diffuse, glossy, auto_exposure(radiance))
 
     def picture(self, ward: NDArray[np.float64]) -> Picture:
-        """SRGB (SIZE, SIZE, 3) in [0, 1] of (5,) Ward parameters; black beside the shape."""
+        """Render a material.
+
+        Args:
+            ward: (5,) Ward parameters.
+
+        Returns:
+            (SIZE, SIZE, 3) float64 sRGB in [0, 1]; black beside the shape.
+        """
         place = np.interp(np.log(ward[4]), np.log(ALPHAS), np.arange(len(ALPHAS)))
         low = min(int(place), len(ALPHAS) - 2)
         share = place - low
@@ -85,7 +113,14 @@ class EnvironmentSwatch:
 
 @dataclass(frozen=True)
 class PointLightSwatch:
-    """One shape under a distant lamp towards ``direction``, which lights white to 0.9."""
+    """One shape under a distant lamp that lights a facing white matt surface to 0.9.
+
+    Attributes:
+        shape: What is rendered; it has P pixels.
+        light: The lamp's name.
+        omega_i: (P, 3) unit, towards the lamp, in each pixel's local frame.
+        omega_o: (P, 3) unit, towards the camera, in each pixel's local frame.
+    """
 
     shape: Shape
     light: str
@@ -94,7 +129,13 @@ class PointLightSwatch:
 
     @staticmethod
     def prepare(shape: Shape, light: str, direction: NDArray[np.float64]) -> PointLightSwatch:
-        """Directions in the local frames of the shape's pixels."""
+        """Transform the directions into the local frames of the shape's pixels.
+
+        Args:
+            shape: What is rendered.
+            light: The lamp's name.
+            direction: (3,) unit, towards the lamp.
+        """
         frames = _local_frames(shape.normals)
         omega_i, omega_o = (
             np.einsum("pij,j->pi", frames, towards) for towards in (direction, TOWARDS_CAMERA)
@@ -102,7 +143,14 @@ class PointLightSwatch:
         return PointLightSwatch(shape, light, omega_i, omega_o)
 
     def picture(self, ward: NDArray[np.float64]) -> Picture:
-        """SRGB (SIZE, SIZE, 3) in [0, 1] of (5,) Ward parameters; black beside the shape."""
+        """Render a material.
+
+        Args:
+            ward: (5,) Ward parameters.
+
+        Returns:
+            (SIZE, SIZE, 3) float64 sRGB in [0, 1]; black beside the shape.
+        """
         value = evaluate(ward[:3], ward[3], ward[4], self.omega_i, self.omega_o)
         cosine = np.clip(self.omega_i[:, 2:], 0, None)
         return _picture(self.shape, WHITE_POINT * math.pi * value * cosine)

@@ -1,3 +1,3 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The results page's sections, each written from one record; no figure is typed."""
+"""The sections of the results page, each a function from a record to Markdown lines."""

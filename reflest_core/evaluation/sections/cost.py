@@ -1,15 +1,18 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Size, time, and what fewer bits or fewer voxels cost; and the row that anyone can repeat."""
+"""Sections: size, time, 8-bit weights, fewer voxels, and the quick check."""
 
 from __future__ import annotations
 
-from reflest_core.evaluation.sections.cells import Lines, Record, interval
-from reflest_core.evaluation.sections.markdown import table
+from reflest_core.evaluation.sections.markdown import Lines, Record, interval, table
 
 
 def latency(record: Record) -> Lines:
-    """Size and time."""
+    """Section: size of the weights and time of an estimate.
+
+    Args:
+        record: Result of :func:`.measure_latency`.
+    """
     header = ["model", "bytes", "paper", "median ms", "p95 ms", "paper"]
     body = [
         [
@@ -34,7 +37,11 @@ def latency(record: Record) -> Lines:
 
 
 def eight_bit(record: Record) -> Lines:
-    """What quantisation costs."""
+    """Section: the error that 8-bit weights add.
+
+    Args:
+        record: Result of :func:`.measure_eight_bit`.
+    """
     header = ["variant", "float32", "8-bit", "difference", "float32 bytes", "8-bit bytes"]
     body = [
         [
@@ -48,7 +55,7 @@ def eight_bit(record: Record) -> Lines:
         for row in record["rows"]
     ]
     return [
-        "## What 8-bit weights cost",
+        "## 8-bit weights",
         "",
         f"RMSE on {record['scenes']} validation scenes drawn by seed. Grouplet ships in 8 bits",
         "(in float32 it misses the paper's 340 KB), HemiCNN and lightnet in float32. A variant is",
@@ -60,19 +67,27 @@ def eight_bit(record: Record) -> Lines:
 
 
 def quick(record: Record) -> Lines:
-    """The row that anyone can repeat."""
+    """Section: the row of Table 2 that ``--quick`` reproduces.
+
+    Args:
+        record: Result of :func:`.write_expected`.
+    """
     return [
-        "## One row, reproduced anywhere",
+        "## Reproducing one row",
         "",
         "`reflest evaluate --quick` estimates all validation scenes again from a shipped file of",
-        f"{record['bytes'] / 1e6:.1f} MB that holds the voxels HemiCNN looks at, and fails unless",
-        f"{record['variant']} reaches {record['rmse']:.4f} again on {record['scenes']} scenes.",
+        f"{record['bytes'] / 1e6:.1f} MB with the voxels that HemiCNN uses. It fails unless",
+        f"{record['variant']} has RMSE {record['rmse']:.4f} again on {record['scenes']} scenes.",
         "",
     ]
 
 
 def time_accuracy(record: Record) -> Lines:
-    """Error by voxels and time."""
+    """Section: error and time by the number of voxels.
+
+    Args:
+        record: Result of :func:`.measure_time_accuracy`.
+    """
     body = [
         [
             point["voxels"],
@@ -86,12 +101,10 @@ def time_accuracy(record: Record) -> Lines:
     return [
         "## Accuracy against time",
         "",
-        "![Error against time](time-accuracy.png)",
-        "",
         f"lightnet with fewer voxels than it was trained with, on {record['scenes']} validation",
-        "scenes drawn by seed; the time of an estimate, features included, on one thread. Most of",
-        "it goes into light and material of the scene, which rest on further voxels, as many in",
-        "each case: so the curve is nearly a point.",
+        "scenes drawn by seed, and the time of an estimate, features included, on one thread. Most",
+        "of the time goes into the fits of light and material, which use the same voxels in every",
+        "row, so that error and time hardly change.",
         "",
         *table(["voxels", "RMSE", "95 %, scenes", "median ms", "p95 ms"], body),
         "",

@@ -1,32 +1,35 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""lightnet under every light of its training, by trainings without it."""
+"""Section: lightnet under every training environment, by trainings without it."""
 
 from __future__ import annotations
 
-from reflest_core.evaluation.sections.cells import Lines, Record, percent
-from reflest_core.evaluation.sections.markdown import table
+from reflest_core.evaluation.sections.markdown import Lines, Record, percent, table
 from reflest_core.models.normalisation import WARD_NAMES
 
 
 def held_out_lights(record: Record) -> Lines:
-    """Errors by views and by light, and intervals where it is sure and where not."""
+    """Section: errors by views and by environment, and shares of truths in the stated intervals.
+
+    Args:
+        record: Result of :func:`.measure_held_out_lights`.
+    """
     views = record["views"]
     most = views[max(views, key=int)]
     return [
-        "## Under every light of training, by trainings without it",
+        "## Held-out training environments",
         "",
-        "To know more lights than *unseen* has, lightnet was trained",
+        "The *unseen* split has few environments. So lightnet was also trained",
         f"{record['trainings']} times by one recipe, each time without some of the "
-        f"{record['lights']} environments of training,",
-        "in mixtures, relit scenes and windows too, and measured on the training scenes under",
-        "these. The shipped weights are calibrated on all of these errors; here the intervals of",
-        "each training are calibrated on the others.",
+        f"{record['lights']} training",
+        "environments (in mixtures, relit scenes and windows too), and measured on the training",
+        "scenes under these. The shipped weights' deviations are calibrated on all of these",
+        "errors; here the intervals of each training are calibrated on the other trainings.",
         "",
         *table(
             [
                 "views",
-                "looks",
+                "variants",
                 "RMSE",
                 "95 %, environments",
                 "mean of five",
@@ -37,7 +40,7 @@ def held_out_lights(record: Record) -> Lines:
             [
                 [
                     int(count),
-                    of["looks"],
+                    of["variants"],
                     of["rmse"],
                     _range(of["over_environments"]),
                     of["mean_of_parameters"],
@@ -49,8 +52,8 @@ def held_out_lights(record: Record) -> Lines:
             ],
         ),
         "",
-        "Truths in 90 % intervals, and of the most views in four equal groups by the stated",
-        "deviation, the surest first:",
+        "Share of truths in 90 % intervals; for the most views also in four equal groups by the",
+        "stated deviation, the smallest first:",
         "",
         *table(
             ["views", *WARD_NAMES],

@@ -1,20 +1,30 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Tables 2 and 3, and where the errors sit."""
+"""Sections: Tables 2 and 3, and a breakdown of the errors."""
 
 from __future__ import annotations
 
 from statistics import fmean
 
 from reflest_core.evaluation.paper_figures import MATERIALS
-from reflest_core.evaluation.sections.cells import Lines, Record, interval, percent, spread
-from reflest_core.evaluation.sections.markdown import table
+from reflest_core.evaluation.sections.markdown import (
+    Lines,
+    Record,
+    interval,
+    percent,
+    spread,
+    table,
+)
 from reflest_core.models.normalisation import LABCD_NAMES, WARD_NAMES
 
 
 def table_2(record: Record) -> Lines:
-    """Both splits, both parameterisations."""
-    lines = ["## Table 2: the paper's variants, and ours", ""]
+    """Section: Table 2 in both parameterisations, split by split.
+
+    Args:
+        record: ``rows`` of :func:`.measure_table_2`.
+    """
+    lines = ["## Table 2: the paper's variants and lightnet", ""]
     for split in dict.fromkeys(row["split"] for row in record["rows"]):
         rows = [row for row in record["rows"] if row["split"] == split]
         counts = rows[0]["accuracy"]
@@ -58,7 +68,11 @@ def _labcd_table(rows: list[Record]) -> Lines:
 
 
 def breakdown(record: Record) -> Lines:
-    """What holds the variants back, from Table 2's record."""
+    """Section: errors by parameter, gloss and environment.
+
+    Args:
+        record: ``rows`` of :func:`.measure_table_2`.
+    """
     rows = [row for row in record["rows"] if row["split"] == "validation"]
     of = {row["title"]: row["breakdown"] for row in rows}
     shares = [[title, *map(percent, found["parameter_shares"])] for title, found in of.items()]
@@ -73,7 +87,7 @@ def breakdown(record: Record) -> Lines:
         for title, found in of.items()
     ]
     return [
-        "## What holds them back",
+        "## Breakdown of the errors",
         "",
         "Shares of the squared error on validation:",
         "",
@@ -83,7 +97,7 @@ def breakdown(record: Record) -> Lines:
         "",
         *table(["variant", *spans], by_gloss),
         "",
-        "The lights under which the estimates are best and worst (RMSE, scenes):",
+        "The environments with the smallest and the largest errors (RMSE, scenes):",
         "",
         *table(["variant", "best", "worst"], lights),
         "",
@@ -95,9 +109,13 @@ def _named(environments: list[Record]) -> str:
 
 
 def table_3(record: Record) -> Lines:
-    """Ten of our scenes, then the paper's ten."""
+    """Section: ten scenes of SynBRDF, then the paper's ten.
+
+    Args:
+        record: Result of :func:`.measure_table_3`.
+    """
     header = ["variant", "all", *record["materials"]]
-    ours = [[row["title"], row["average"], *row["errors"]] for row in record["rows"]]
+    measured = [[row["title"], row["average"], *row["errors"]] for row in record["rows"]]
     theirs = [
         [row["title"], row["paper"]["rmse"], *map(float, row["paper"]["materials"])]
         for row in record["rows"]
@@ -109,7 +127,7 @@ def table_3(record: Record) -> Lines:
         "RMSE over the five parameters of ten validation scenes, drawn by a fixed seed; `all` is",
         "the mean over all validation scenes.",
         "",
-        *table(header, ours),
+        *table(header, measured),
         "",
         "The paper's ten are other scenes of another data set; its figures, for comparison of",
         "their spread:",

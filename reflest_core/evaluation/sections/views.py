@@ -1,24 +1,27 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Figure 6."""
+"""Sections: Figure 6, and light beyond what the scan shows."""
 
 from __future__ import annotations
 
-from reflest_core.evaluation.sections.cells import Lines, Record, interval
-from reflest_core.evaluation.sections.markdown import table
+from reflest_core.evaluation.sections.markdown import Lines, Record, interval, table
 
 
 def views(record: Record) -> Lines:
-    """Error against the number of views, split by split."""
+    """Section: error against the number of views, split by split.
+
+    Args:
+        record: Result of :func:`.measure_views`.
+    """
     header = ["network", *(f"{count} views" for count in record["views"])]
     lines = [
         "## Figure 6: error against the number of views",
         "",
         "![Error against views](views.png)",
         "",
-        "RMSE on scenes of which only so many random views are shown: neither the surface nor the",
-        "light behind it is known from any other. The paper's figure has no numbers; it puts the",
-        "effective amount around 30 views.",
+        "RMSE where only so many random views of a scene are used, for the surface and for the",
+        "light behind it. The paper's figure has no numbers; its text puts the effective amount",
+        "around 30 views.",
         "",
     ]
     for split, scenes in record["scenes"].items():
@@ -33,7 +36,11 @@ def views(record: Record) -> Lines:
 
 
 def look_around(record: Record) -> Lines:
-    """What it buys to know more of the light than the scans show."""
+    """Section: error where more of the light is known than the scan shows.
+
+    Args:
+        record: Result of :func:`.measure_look_around`.
+    """
     body = []
     for row in record["rows"]:
         scan, looked, known, rooms = (row[key] for key in ("scan", "with", "panorama", "rooms"))
@@ -62,26 +69,27 @@ def look_around(record: Record) -> Lines:
         "scenes",
         "light seen",
         "RMSE",
-        "light seen, look",
-        "RMSE, look",
+        "light seen, look round",
+        "RMSE, look round",
         "95 %, environments",
-        "told",
+        "recognised",
         "RMSE, rooms",
         "95 %, environments",
         "RMSE, panorama",
         "95 %, environments",
     ]
     return [
-        "## What a look around the room buys",
+        "## Light beyond the scan",
         "",
-        f"lightnet on all scenes, as scanned; with {record['frames']} further frames that look",
-        "away from the object, at the upper half of its surroundings, through the same camera at",
-        "the same exposure (live, such frames are taken for their light); with a folder of",
-        f"{record['rooms']} rooms, panoramas of the environments that training scenes stand in,",
-        "among which the scan's own has to be *told* by what it sees, and how it is turned",
-        "(validation has these rooms, *unseen* has none of them); and with a panorama of the very",
-        "room in its own axes. A user gives either as `estimation.known_light`. Other tables are",
-        "of the scans alone.",
+        "lightnet on all scenes with four states of knowledge about the light:",
+        "",
+        "- the scan alone, as in all other tables;",
+        f"- *look round*: {record['frames']} more frames of the upper half of the surroundings, by",
+        "  the same camera at the same exposure (live, such frames add to the light);",
+        f"- *rooms*: a folder of {record['rooms']} panoramas of the training environments as",
+        "  `estimation.known_light`. The scan's own room and its orientation have to be",
+        "  *recognised* (validation scenes stand in these rooms, *unseen* ones in none of them);",
+        "- *panorama*: a panorama of the scan's room, in its axes, as `estimation.known_light`.",
         "",
         *table(header, body),
         "",

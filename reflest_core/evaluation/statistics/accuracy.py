@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Normalised RMSE of estimates on a split, with how sure it is: one row of Table 2."""
+"""Normalised RMSE of estimates of a split, with bootstrap intervals: one row of Table 2."""
 
 from __future__ import annotations
 
@@ -26,10 +26,16 @@ Statistics = dict[str, ParameterStatistics]
 
 @dataclass(frozen=True)
 class Accuracy:
-    """``ward``, ``labcd``: the errors in both parameterisations.
+    """The errors of S estimates.
 
-    ``over_scenes``, ``over_environments``: 95 % intervals of ``ward.overall``.
-    ``mean_over_environments``: one of the mean of ``ward.per_parameter``.
+    Attributes:
+        scenes: S.
+        environments: Number of different environments.
+        ward: Normalised RMSE of ``rho_d``, ``rho_s``, ``alpha``.
+        labcd: Normalised RMSE of ``L, a, b, c, d``.
+        over_scenes: 95 % interval of ``ward.overall``, scenes resampled.
+        over_environments: The same, environments resampled.
+        mean_over_environments: 95 % interval of the mean of ``ward.per_parameter``.
     """
 
     scenes: int
@@ -44,7 +50,13 @@ class Accuracy:
 def accuracy(
     estimates: NDArray[np.float64], samples: list[Sample], statistics: Statistics
 ) -> Accuracy:
-    """Of (S, 5) Ward estimates of ``samples``."""
+    """Measure estimates against the truth.
+
+    Args:
+        estimates: (S, 5) Ward parameters.
+        samples: S scenes with their truth.
+        statistics: Mean and standard deviation of the training set, for ``ward`` and ``labcd``.
+    """
     environments = [sample.environment for sample in samples]
     truths = np.stack([sample.ward for sample in samples])
     squared = _squared_errors(estimates, truths, statistics)
@@ -62,7 +74,16 @@ def accuracy(
 def scene_errors(
     estimates: NDArray[np.float64], samples: list[Sample], statistics: Statistics
 ) -> NDArray[np.float64]:
-    """(S,) each scene's normalised RMSE over its five Ward parameters."""
+    """Each scene's normalised RMSE over its five Ward parameters.
+
+    Args:
+        estimates: (S, 5) Ward parameters.
+        samples: S scenes with their truth.
+        statistics: Mean and standard deviation of the training set.
+
+    Returns:
+        (S,) float64.
+    """
     truths = np.stack([sample.ward for sample in samples])
     squared = _squared_errors(estimates, truths, statistics)
     return np.asarray(np.sqrt(squared.mean(axis=1)), np.float64)

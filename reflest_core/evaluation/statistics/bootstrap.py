@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""How sure a normalised RMSE is: percentile intervals over resampled scenes or environments."""
+"""Percentile intervals of errors over resampled scenes or environments (Efron's bootstrap)."""
 
 from __future__ import annotations
 
@@ -16,32 +16,56 @@ SEED = 20171
 
 @dataclass(frozen=True)
 class Interval:
-    """The central 95 % of the bootstrap's draws."""
+    """The central 95 % of the bootstrap's draws.
+
+    Attributes:
+        low: 2.5th percentile.
+        high: 97.5th percentile.
+    """
 
     low: float
     high: float
 
 
 def over_scenes(squared: NDArray[np.float64]) -> Interval:
-    """Interval of the root of the mean of scenes' mean squared errors (S,)."""
+    """Interval of a root mean squared error, scenes resampled.
+
+    Args:
+        squared: (S,) mean squared error of each scene.
+    """
     return over_groups(squared, [str(index) for index in range(len(squared))])
 
 
 def over_groups(squared: NDArray[np.float64], groups: Sequence[str]) -> Interval:
-    """The same where scenes of one group (one environment) are drawn together.
+    """Interval of a root mean squared error, groups of scenes resampled.
 
-    Scenes under one light err alike, so this is the wider and the honest one for new lights.
+    Errors under one environment are correlated, so that this interval is the wider one, and the
+    valid one for new environments.
+
+    Args:
+        squared: (S,) mean squared error of each scene.
+        groups: S names of groups, such as environments.
     """
     return _central(np.sqrt(_means(squared[:, None], groups)[:, 0]))
 
 
 def mean_of_roots_over_groups(squared: NDArray[np.float64], groups: Sequence[str]) -> Interval:
-    """Interval of the mean over parameters of the roots of their mean squared errors (S, P)."""
+    """Interval of the mean over parameters of root mean squared errors, groups resampled.
+
+    Args:
+        squared: (S, P) squared errors.
+        groups: S names of groups.
+    """
     return _central(np.sqrt(_means(squared, groups)).mean(axis=1))
 
 
 def share_over_groups(is_so: NDArray[np.bool_], groups: Sequence[str]) -> Interval:
-    """Interval of the share of scenes (S,) that something holds of, groups drawn together."""
+    """Interval of a share of scenes, groups resampled.
+
+    Args:
+        is_so: (S,) bool, the scenes that count.
+        groups: S names of groups.
+    """
     return _central(_means(is_so.astype(np.float64)[:, None], groups)[:, 0])
 
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Where the error sits: in which parameter, at which gloss, under which lights."""
+"""The error by parameter, by gloss and by environment."""
 
 from __future__ import annotations
 
@@ -20,7 +20,17 @@ GROUPS = 5
 def break_down(
     estimates: NDArray[np.float64], samples: list[Sample], statistics: Statistics
 ) -> dict[str, Any]:
-    """Of (S, 5) Ward estimates: shares of the squared error, and RMSE of groups of scenes."""
+    """Split the error of estimates.
+
+    Args:
+        estimates: (S, 5) Ward parameters.
+        samples: S scenes with their truth.
+        statistics: Mean and standard deviation of the training set.
+
+    Returns:
+        ``parameter_shares`` of the squared error, RMSE by ``fifths`` of the true ``rho_s``, and
+        RMSE by ``environments``, best first.
+    """
     truths = np.stack([sample.ward for sample in samples])
     known = statistics["ward"]
     squared = (known.normalise(estimates) - known.normalise(truths)) ** 2

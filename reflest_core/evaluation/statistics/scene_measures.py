@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What makes a scene hard, in figures, and which of them are out of the ordinary."""
+"""Measures of how hard a scene is, and the ones in which a scene is unusual."""
 
 from __future__ import annotations
 
@@ -22,7 +22,13 @@ UNUSUAL_SHARE = 0.1
 
 @dataclass(frozen=True)
 class Measure:
-    """``sentence``: of a value and of the share of scenes that are better off."""
+    """A measure of a scene.
+
+    Attributes:
+        name: Its name in records.
+        is_bad_when_high: Whether large values are the hard ones.
+        sentence: Template of ``value`` and of ``rank``, the share of scenes that are easier.
+    """
 
     name: str
     is_bad_when_high: bool
@@ -85,7 +91,11 @@ MEASURES = (
 
 
 def measured(sample: Sample) -> dict[str, float]:
-    """The value of each of :data:`MEASURES` of a scene whose light is known."""
+    """The value of each of :data:`MEASURES`.
+
+    Args:
+        sample: A scene with its light.
+    """
     surface, light = sample.surface, sample.surface.light
     assert light is not None
     observed = np.flatnonzero(surface.observation_counts > 0)
@@ -104,7 +114,12 @@ def measured(sample: Sample) -> dict[str, float]:
 
 
 def unusual(values: dict[str, float], of_split: list[dict[str, float]]) -> list[str]:
-    """Sentences about the measures in which a scene is among the worst tenth of its split."""
+    """Sentences about the measures in which a scene is among the worst tenth of its split.
+
+    Args:
+        values: The scene's measures.
+        of_split: The measures of every scene of the split.
+    """
     found = []
     for measure in MEASURES:
         value = values[measure.name]

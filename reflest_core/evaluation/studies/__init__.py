@@ -1,3 +1,3 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The studies that the results page reports."""
+"""The studies on the results page: each measures one part's record."""

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What each part of lightnet buys, from what trainings without it measured when they ended."""
+"""The contribution of each part of lightnet, from the figures of trainings without it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from reflest_core.evaluation.contenders import EvaluationError
+from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.training.light.ablation import PARTS
 from reflest_core.training.light.light_course import FIGURES
 
@@ -16,10 +16,17 @@ WHOLE = "nothing"
 
 
 def collect_ablation(folder: Path) -> dict[str, Any]:
-    """Figures of every training of lightnet in ``folder`` (``folder/<run>/held_out.json``).
+    """Collect the figures of every training of lightnet in a folder.
 
-    First the one that did without nothing, then the others by how much is lost on held-out
-    environments.
+    Args:
+        folder: Holds ``<run>/held_out.json`` for each training.
+
+    Returns:
+        The environments that were held out, and ``runs``: the whole lightnet first, then the
+        others by their error on held-out environments.
+
+    Raises:
+        EvaluationError: there is no whole lightnet to compare with, or a file is damaged.
     """
     found = [_read(path) for path in sorted(folder.glob(f"*/{FIGURES}"))]
     runs = [run for run in found if "held_out" in run["splits"]]
@@ -43,7 +50,7 @@ def _read(path: Path) -> dict[str, Any]:
             "meaning": "; ".join(PARTS[part] for part in without),
             "minibatches": recipe["minibatches"],
             "hold_out": list(recipe["hold_out"]),
-            "looks": recipe["data"].get("train_looks"),
+            "variants": recipe["data"].get("train_looks"),
             "splits": figures["splits"],
         }
     except (OSError, ValueError, KeyError) as error:

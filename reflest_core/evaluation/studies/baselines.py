@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The networks' rivals on the same scenes, each with its run time."""
+"""Baselines on the same scenes as the networks, each with its run time."""
 
 from __future__ import annotations
 
@@ -10,15 +10,18 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from tqdm import tqdm
 
+from reflest_core.brdf import srgb
 from reflest_core.estimation.estimator import physical_ward
-from reflest_core.evaluation.contenders import Contender
+from reflest_core.evaluation.networks import EvaluatedNetwork
 from reflest_core.evaluation.paper_figures import OPTIMISER_SECONDS
 from reflest_core.evaluation.shown_scenes import random_subset
 from reflest_core.evaluation.statistics.accuracy import Statistics, accuracy
-from reflest_core.evaluation.studies.simple_baselines import guess_mean, lambertian
 from reflest_core.evaluation.studies.single_image import optimise_single_image
+from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.training.data.sample import Sample
 
 SUBSET_SEED = 17
@@ -27,20 +30,28 @@ Estimate = Callable[[Sample], object]
 
 
 def measure_baselines(
-    contenders: list[Contender], splits: dict[str, list[Sample]], optimised_scenes: int
+    networks: list[EvaluatedNetwork], splits: dict[str, list[Sample]], optimised_scenes: int
 ) -> dict[str, Any]:
-    """Accuracy and seconds a scene on each split; the optimiser on a subset drawn by seed.
+    """Accuracy and seconds a scene of networks and baselines on each split.
 
-    The networks and the cheap rivals are measured on that subset too, so that rows compare.
+    All methods run on the same random subset; the cheap baselines also run on the whole split.
+
+    Args:
+        networks: The networks to compare.
+        splits: The scenes of each split.
+        optimised_scenes: Size of the subset, for the slow optimiser.
+
+    Returns:
+        The record of the part ``baselines``.
     """
-    statistics = contenders[0].predictor().card.statistics
+    statistics = networks[0].predictor().card.statistics
     ward = statistics["ward"]
-    rivals: list[tuple[str, Estimate, float | None]] = [
+    methods: list[tuple[str, Estimate, float | None]] = [
         ("guessing the mean", lambda sample: guess_mean(ward), None),
         ("Lambertian from F and B", lambda sample: lambertian(sample.surface, ward), None),
     ]
-    for contender in contenders:
-        rivals.append((contender.title, _network(contender), None))
+    for network in networks:
+        methods.append((network.title, _network(network), None))
     optimiser = (
         "one image, optimised",
         lambda sample: optimise_single_image(sample.surface, ward),
@@ -49,15 +60,15 @@ def measure_baselines(
     rows = []
     for split, samples in splits.items():
         subset = random_subset(samples, optimised_scenes, SUBSET_SEED)
-        for name, estimate, seconds in [*rivals, optimiser]:
+        for name, estimate, seconds in [*methods, optimiser]:
             rows.append(_row(name, split, estimate, subset, statistics, seconds))
-        for name, estimate, seconds in rivals[:2]:
+        for name, estimate, seconds in methods[:2]:
             rows.append(_row(name, split, estimate, samples, statistics, seconds))
     return {"subset": optimised_scenes, "rows": rows}
 
 
-def _network(contender: Contender) -> Estimate:
-    predictor = contender.predictor()
+def _network(network: EvaluatedNetwork) -> Estimate:
+    predictor = network.predictor()
     return lambda sample: physical_ward(predictor.predict(sample.surface).ward)
 
 
@@ -82,3 +93,36 @@ def _row(
         "median_seconds": float(np.median(times)),
         "paper_seconds": paper_seconds,
     }
+
+
+def guess_mean(statistics: ParameterStatistics) -> NDArray[np.float64]:
+    """The training set's mean, whatever was observed.
+
+    Args:
+        statistics: Of the training set.
+
+    Returns:
+        (5,) Ward parameters.
+    """
+    return statistics.mean.copy()
+
+
+def lambertian(surface: ObservedSurface, statistics: ParameterStatistics) -> NDArray[np.float64]:
+    """Ward parameters of a matt surface in uniform light: Eq. 7 with ``rho_s`` = 0.
+
+    ``rho_d`` is the least-squares ratio of F to B over the views, in linear sRGB, at most 1.
+    ``alpha`` cannot be observed and is the training mean.
+
+    Args:
+        surface: What was observed.
+        statistics: Of the training set.
+
+    Returns:
+        (5,) Ward parameters.
+    """
+    foreground = srgb.decode(surface.view_foreground.astype(np.float64) / 255)
+    background = srgb.decode(surface.view_background.astype(np.float64) / 255)
+    known = ~(np.isnan(foreground) | np.isnan(background)).any(axis=1)
+    f, b = foreground[known], background[known]
+    ratio = (f * b).sum(axis=0) / np.maximum((b * b).sum(axis=0), 1e-9)
+    return np.array([*np.clip(ratio, 0.0, 1.0), 0.0, statistics.mean[4]])

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Whether an estimate's standard deviations and statuses say how wrong it is."""
+"""Whether an estimate's standard deviations and statuses predict its error."""
 
 from __future__ import annotations
 
@@ -24,12 +24,18 @@ QUARTILES = 4
 def measure_calibration(
     made: SceneEstimates, samples: list[Sample], statistics: ParameterStatistics
 ) -> dict[str, Any]:
-    """Of estimates with standard deviations (Ward parameters) of one split's scenes.
+    """Compare stated with actual errors of one split.
 
-    ``observed``: for each of :data:`LEVELS` the share (5,) of truths inside the central normal
-    interval of that probability. ``inside``: that of :data:`HEADLINE`, with bootstrapped intervals
-    over environments. ``z_stddev``, ``z_mean``: of (estimate - truth) / stddev; 1 and 0 are
-    perfect.
+    Args:
+        made: Estimates with standard deviations.
+        samples: The scenes with their truth.
+        statistics: Mean and standard deviation of the training set (Ward parameters).
+
+    Returns:
+        ``observed``: for each of :data:`LEVELS` the shares (5,) of truths inside the central normal
+        interval of that probability. ``inside``: those of :data:`HEADLINE`, with intervals over
+        environments. ``z_stddev``, ``z_mean``: of (estimate - truth) / stddev, ideally 1 and 0.
+        ``quartiles`` by stated error, and errors by ``statuses``.
     """
     truths = np.stack([sample.ward for sample in samples])
     z = (made.ward - truths) / made.stddev
@@ -50,7 +56,14 @@ def measure_calibration(
 
 
 def half_width(level: float) -> float:
-    """Half the width of the central normal interval of probability ``level``, in deviations."""
+    """Half the width of the central normal interval.
+
+    Args:
+        level: Its probability, in (0, 1).
+
+    Returns:
+        In standard deviations.
+    """
     return NormalDist().inv_cdf(0.5 + 0.5 * level)
 
 

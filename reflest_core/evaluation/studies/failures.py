@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The scenes with the largest errors, and what is measurably out of the ordinary about them."""
+"""The scenes with the largest errors, and the measures in which they are unusual."""
 
 from __future__ import annotations
 
@@ -27,7 +27,17 @@ def find_failures(
     samples: list[Sample],
     statistics: ParameterStatistics,
 ) -> dict[str, Any]:
-    """The :data:`SHOWN` scenes with the largest normalised RMSE, worst first."""
+    """Find the :data:`SHOWN` scenes with the largest normalised RMSE.
+
+    Args:
+        made: Estimates with standard deviations.
+        scenes: The scenes of the split.
+        samples: The same with their truth.
+        statistics: Mean and standard deviation of the training set (Ward parameters).
+
+    Returns:
+        The record of the part ``failures``; the worst scene comes first.
+    """
     truths = np.stack([sample.ward for sample in samples])
     squared = ((made.ward - truths) / statistics.stddev) ** 2
     errors = np.sqrt(squared.mean(axis=1))

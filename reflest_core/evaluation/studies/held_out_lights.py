@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""lightnet under lights of the training set, each measured by a training that never saw it."""
+"""lightnet under environments of the training set, each measured by a training without it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.evaluation.contenders import EvaluationError
+from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.evaluation.statistics.bootstrap import mean_of_roots_over_groups, over_groups
 from reflest_core.training.light.calibration import fitted_calibration
 from reflest_core.training.light.measured_looks import HALF_WIDTH, MeasuredLooks
@@ -22,10 +22,16 @@ QUARTERS = 4
 
 
 def measure_held_out_lights(folders: Sequence[Path]) -> dict[str, Any]:
-    """Errors of the trainings in ``folders``, and whether calibrated intervals hold.
+    """Errors of several trainings on their held-out environments, and coverage of intervals.
 
-    Intervals of each training are calibrated on the others, so that no light has a say in its own;
-    :class:`EvaluationError` where there are no others, or a light was held out twice.
+    The intervals of each training are calibrated on the others, so that no environment has a part
+    in its own calibration.
+
+    Args:
+        folders: Trainings of lightnet with ``--hold-out``.
+
+    Raises:
+        EvaluationError: there are fewer than two, or an environment was held out twice.
     """
     measured = [MeasuredLooks.read(folder) for folder in folders]
     if len(measured) < 2:
@@ -63,7 +69,7 @@ def _figures(
     rmse = NormalisedRmse.of(some.errors)
     squared, lights = some.errors**2, some.environments.tolist()
     return {
-        "looks": len(some.errors),
+        "variants": len(some.errors),
         "rmse": rmse.overall,
         "per_parameter": rmse.per_parameter.tolist(),
         "mean_of_parameters": float(rmse.per_parameter.mean()),

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What it buys to know more of the light than scans of the object show: three ways to do so."""
+"""lightnet with more knowledge of the light than the scan shows, from three sources."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from tqdm import tqdm
 
 from reflest_core.environment.known_rooms import KnownRooms
 from reflest_core.environment.room import Room
-from reflest_core.evaluation.contenders import Contender
 from reflest_core.evaluation.estimates import estimate_all
+from reflest_core.evaluation.networks import EvaluatedNetwork
 from reflest_core.evaluation.shown_scenes import shown
 from reflest_core.evaluation.statistics.accuracy import accuracy
 from reflest_core.evaluation.studies.view_study import drawn_views
@@ -29,23 +29,29 @@ VIEW_COUNTS = (100, 10)
 
 
 def measure_look_around(
-    contender: Contender,
+    network: EvaluatedNetwork,
     splits: dict[str, list[SynbrdfScene]],
     drawn: Callable[[SynbrdfScene], Scene],
     rooms: KnownRooms,
 ) -> dict[str, Any]:
-    """RMSE of lightnet from scans alone, and by pattern of views what more light buys.
+    """RMSE of lightnet from scans alone and with additional light, by pattern of views.
 
-    ``with``: :data:`FRAMES` frames of the room through the camera that took the others.
-    ``rooms``: those of training, in any turn, among which the scan's own has to be told.
-    ``panorama``: a panorama of all of the light in high dynamic range, as a user may give one.
-    ``drawn``: the scene with its light, which must be infinitely far.
+    Args:
+        network: lightnet.
+        splits: The scenes of each split.
+        drawn: Gives the scene with its light, which must be infinitely far.
+        rooms: Panoramas of the training environments.
+
+    Returns:
+        Rows with the accuracies of ``scan``; of ``with``, :data:`FRAMES` more frames of the room
+        by the same camera; of ``rooms``, in which the scan's own room has to be recognised; and of
+        ``panorama``, all of the light in high dynamic range.
     """
-    estimator = contender.estimator()
+    estimator = network.estimator()
     statistics = estimator.predictor.card.statistics
     rows = []
     for split, scenes in splits.items():
-        for count, samples in _looks(scenes, drawn, rooms, split).items():
+        for count, samples in _samples(scenes, drawn, rooms, split).items():
             made = {
                 name: estimate_all(estimator, some, f"{name}, {count} views of {split}").ward
                 for name, some in samples.items()
@@ -66,27 +72,27 @@ def measure_look_around(
     }
 
 
-def _looks(
+def _samples(
     scenes: list[SynbrdfScene],
     drawn: Callable[[SynbrdfScene], Scene],
     rooms: KnownRooms,
     title: str,
 ) -> dict[int, dict[str, list[Sample]]]:
     """By number of views: each scene as it was scanned, and in each way to know more."""
-    looks: dict[int, dict[str, list[Sample]]] = {
+    by_count: dict[int, dict[str, list[Sample]]] = {
         count: {"scan": [], "with": [], "rooms": [], "panorama": []} for count in VIEW_COUNTS
     }
     for scene in tqdm(scenes, desc=f"looking around in {title}", unit="scene", leave=False):
         environment = drawn(scene).light.radiance
         frames = look_around(environment, scene.exposure)
         panorama = Room.of("panorama", environment).known_light()
-        for count, samples in looks.items():
+        for count, samples in by_count.items():
             views = drawn_views(scene, count)
             samples["scan"].append(shown(scene, views))
             samples["with"].append(shown(scene, views, frames))
             samples["rooms"].append(_known_before(samples["scan"][-1], rooms))
             samples["panorama"].append(_known_before(samples["scan"][-1], panorama))
-    return looks
+    return by_count
 
 
 def _known_before(scan: Sample, known: KnownLight | KnownRooms) -> Sample:

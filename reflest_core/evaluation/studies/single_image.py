@@ -4,8 +4,8 @@
 
 In the spirit of Lombardi and Nishino ("Reflectance and natural illumination from a single image",
 ECCV 2012; the paper's reference 17): maximum a posteriori over both, with a prior on natural light.
-The BRDF model is ours, the light a small lat-long map, and the prior the simplest that is natural:
-log radiance is normal, and neighbouring texels are alike but for sparse edges.
+The BRDF is Ward's, the light a small equirectangular map, and the prior a simple one: log radiance
+is normal, and differences of neighbouring texels follow a Laplace distribution.
 """
 
 from __future__ import annotations
@@ -28,7 +28,14 @@ ROWS, COLUMNS = 16, 32
 
 @dataclass(frozen=True)
 class Effort:
-    """``steps`` of Adam from each of the ``starts`` of alpha; the best posterior counts."""
+    """How long the optimiser runs.
+
+    Attributes:
+        steps: Steps of Adam from each start.
+        starts: Values of ``alpha`` to start from; the best posterior is taken.
+        learning_rate: Of Adam.
+        strata: Samples of the specular lobe along each axis.
+    """
 
     steps: int = 400
     starts: tuple[float, ...] = (0.02, 0.06, 0.15)
@@ -38,11 +45,15 @@ class Effort:
 
 @dataclass(frozen=True)
 class Prior:
-    """``noise``: stddev of sRGB values. ``log_mean``, ``log_stddev``: of the light's radiance.
+    """Weights of the posterior's terms.
 
-    ``edge``: typical difference of log radiance between neighbours (a Laplace distribution).
-    ``fit_share``, ``light_share``: of the pixels and texels, which are not independent, that
-    count beside the prior of the BRDF; chosen, with ``noise``, on a dozen training scenes.
+    Attributes:
+        noise: Standard deviation of sRGB values in [0, 1].
+        log_mean: Mean of the light's log radiance.
+        log_stddev: Its standard deviation.
+        edge: Typical difference of log radiance between neighbours (a Laplace distribution).
+        fit_share: Share of the pixels that count as independent, chosen on a dozen training scenes.
+        light_share: Share of the light's texels that count as independent.
     """
 
     noise: float = 0.05
@@ -55,7 +66,13 @@ class Prior:
 
 @dataclass(frozen=True)
 class OneView:
-    """``colours``: (P, 3) in [0, 1]. ``frames``: (P, 3, 3) world to local. ``omega_o``: (P, 3)."""
+    """The pixels of one view.
+
+    Attributes:
+        colours: (P, 3) float32 sRGB in [0, 1].
+        frames: (P, 3, 3) float32 rotations from the world to the local frame.
+        omega_o: (P, 3) float32 unit, towards the camera, local frame.
+    """
 
     colours: Tensor
     frames: Tensor
@@ -65,7 +82,16 @@ class OneView:
 def optimise_single_image(
     surface: ObservedSurface, statistics: ParameterStatistics, effort: Effort | None = None
 ) -> NDArray[np.float64]:
-    """(5,) Ward parameters from the one view that saw most of the surface, on one thread."""
+    """Optimise from the view with the most observations, on one thread.
+
+    Args:
+        surface: What was observed.
+        statistics: Mean and standard deviation of the training set (Ward parameters).
+        effort: How long to run; None for the default.
+
+    Returns:
+        (5,) Ward parameters.
+    """
     effort = effort or Effort()
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
@@ -78,7 +104,11 @@ def optimise_single_image(
 
 
 def fullest_view(surface: ObservedSurface) -> OneView:
-    """The image of the view with the most observations, and its normals."""
+    """The pixels of the view with the most observations.
+
+    Args:
+        surface: What was observed.
+    """
     view = int(np.bincount(surface.view_indices).argmax())
     rows = np.flatnonzero(surface.view_indices == view)
     voxels = np.searchsorted(surface.offsets, rows, side="right") - 1

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Size of each weight file and time of an estimate, features and all; and what 8 bits cost."""
+"""Size of each weight file, time of an estimate, and errors with 8-bit weights or fewer voxels."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from reflest_core.evaluation.contenders import Contender
 from reflest_core.evaluation.estimates import estimate_all
+from reflest_core.evaluation.networks import EvaluatedNetwork
 from reflest_core.evaluation.paper_figures import LATENCY_MS, SIZE_BYTES
 from reflest_core.evaluation.statistics.accuracy import accuracy
 from reflest_core.models.predictor import Predictor
@@ -25,13 +25,21 @@ TIMED_SCENES = 40
 WARM_UP = 3
 
 
-def measure_latency(contenders: list[Contender], samples: list[Sample]) -> dict[str, Any]:
-    """Milliseconds of an estimate of a SynBRDF scene with all its views, on one CPU thread."""
+def measure_latency(networks: list[EvaluatedNetwork], samples: list[Sample]) -> dict[str, Any]:
+    """Milliseconds of an estimate of a SynBRDF scene with all its views, on one CPU thread.
+
+    Args:
+        networks: The networks to compare.
+        samples: The scenes to time.
+
+    Returns:
+        The record of the part ``latency``.
+    """
     rows = []
     seen: set[str] = set()
-    for contender in contenders:
-        is_grouplet = contender.network == "grouplet"
-        forms = [contender.as_fast(), contender] if is_grouplet else [contender]
+    for network in networks:
+        is_grouplet = network.architecture == "grouplet"
+        forms = [network.as_fast(), network] if is_grouplet else [network]
         for form in forms:
             if form.model in seen:
                 continue
@@ -41,7 +49,7 @@ def measure_latency(contenders: list[Contender], samples: list[Sample]) -> dict[
                     "model": form.model,
                     "weights": form.name,
                     "bytes": form.weights.stat().st_size,
-                    "paper_bytes": SIZE_BYTES.get(form.network),
+                    "paper_bytes": SIZE_BYTES.get(form.architecture),
                     "paper_ms": LATENCY_MS.get(form.model),
                     **time_estimates(form.predictor(), samples),
                 }
@@ -50,7 +58,15 @@ def measure_latency(contenders: list[Contender], samples: list[Sample]) -> dict[
 
 
 def time_estimates(predictor: Predictor, samples: list[Sample]) -> dict[str, float]:
-    """Median and 95th percentile, in milliseconds, over the first samples."""
+    """Time estimates of the first samples.
+
+    Args:
+        predictor: The network, features included.
+        samples: The scenes to time.
+
+    Returns:
+        ``median_ms`` and ``p95_ms``.
+    """
     for sample in samples[:WARM_UP]:
         predictor.predict(sample.surface)
     times = []
@@ -61,29 +77,36 @@ def time_estimates(predictor: Predictor, samples: list[Sample]) -> dict[str, flo
     return {"median_ms": float(np.median(times)), "p95_ms": float(np.percentile(times, 95))}
 
 
-def measure_eight_bit(contenders: list[Contender], samples: list[Sample]) -> dict[str, Any]:
-    """RMSE of each variant with float32 and with 8-bit weights, on the same scenes.
+def measure_eight_bit(networks: list[EvaluatedNetwork], samples: list[Sample]) -> dict[str, Any]:
+    """RMSE of each network with float32 and with 8-bit weights, on the same scenes.
 
-    A variant whose float32 weights were not kept has no such row.
+    A network whose float32 weights were not kept has no row.
+
+    Args:
+        networks: The networks to compare.
+        samples: The scenes.
+
+    Returns:
+        The record of the part ``eight-bit``.
     """
     rows = []
-    for contender in contenders:
-        tensors, card, _ = load_weights(contender.exact or contender.weights)
-        if contender.exact is None and contender.network == "grouplet":
+    for network in networks:
+        tensors, card, _ = load_weights(network.exact or network.weights)
+        if network.exact is None and network.architecture == "grouplet":
             continue
         with tempfile.TemporaryDirectory() as folder:
             errors, sizes = {}, {}
             for bits, is_reduced in ((32, False), (8, True)):
                 path = Path(folder) / f"{bits}.safetensors"
                 save_weights(path, tensors, card, is_reduced)
-                stored = dataclasses.replace(contender, weights=path)
-                made = estimate_all(stored.estimator(), samples, f"{contender.name}, {bits} bits")
+                stored = dataclasses.replace(network, weights=path)
+                made = estimate_all(stored.estimator(), samples, f"{network.name}, {bits} bits")
                 errors[bits] = accuracy(made.ward, samples, card.statistics).ward.overall
                 sizes[bits] = path.stat().st_size
         rows.append(
             {
-                "variant": contender.name,
-                "title": contender.title,
+                "variant": network.name,
+                "title": network.title,
                 "float32": errors[32],
                 "eight_bit": errors[8],
                 "float32_bytes": sizes[32],
@@ -91,3 +114,33 @@ def measure_eight_bit(contenders: list[Contender], samples: list[Sample]) -> dic
             }
         )
     return {"scenes": len(samples), "rows": rows}
+
+
+VOXELS = (8, 16, 24, 32, 48)
+
+
+def measure_time_accuracy(network: EvaluatedNetwork, samples: list[Sample]) -> dict[str, Any]:
+    """RMSE and milliseconds of an estimate (one thread, features included) by number of voxels.
+
+    Args:
+        network: lightnet.
+        samples: The scenes.
+
+    Returns:
+        The record of the part ``time-accuracy``.
+    """
+    points = []
+    for voxels in VOXELS:
+        estimator = network.estimator()
+        estimator.predictor.voxels = voxels
+        made = estimate_all(estimator, samples, f"{network.name}, {voxels} voxels")
+        found = accuracy(made.ward, samples, estimator.predictor.card.statistics)
+        points.append(
+            {
+                "voxels": voxels,
+                "rmse": found.ward.overall,
+                "over_scenes": dataclasses.asdict(found.over_scenes),
+                **time_estimates(estimator.predictor, samples),
+            }
+        )
+    return {"scenes": len(samples), "points": points}

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Figure 6: error against the number of views, for lightnet and for the paper's networks."""
+"""Figure 6: error against the number of views, for lightnet and the paper's networks."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.estimation.estimator import Estimator
-from reflest_core.evaluation.contenders import LIGHTNET, Contender, named
 from reflest_core.evaluation.estimates import estimate_all
+from reflest_core.evaluation.networks import LIGHTNET, EvaluatedNetwork, network_named
 from reflest_core.evaluation.shown_scenes import random_subset, shown
 from reflest_core.evaluation.statistics.accuracy import Accuracy, accuracy
 from reflest_core.synbrdf.scenes.scene_file import SynbrdfScene
@@ -27,21 +27,28 @@ SEED = 6
 
 
 def measure_views(
-    contenders: list[Contender], splits: dict[str, list[SynbrdfScene]]
+    networks: list[EvaluatedNetwork], splits: dict[str, list[SynbrdfScene]]
 ) -> dict[str, Any]:
-    """RMSE of each network on scenes that show only so many random views, light included.
+    """RMSE of each network on scenes of which only some random views are known, light included.
 
-    The same views are shown to every network, and fewer are a subset of more.
+    Every network gets the same views, and a smaller number is a subset of a larger one.
+
+    Args:
+        networks: The networks to compare.
+        splits: The scenes of each split.
+
+    Returns:
+        The record of the part ``views``.
     """
     curves = []
     subsets = {split: random_subset(scenes, SCENES, SEED) for split, scenes in splits.items()}
     for split, scenes in subsets.items():
-        looks = {count: few_views(scenes, count) for count in VIEW_COUNTS}
-        for title, contender in _shown_networks(contenders):
-            estimator = contender.estimator()
+        samples_by_count = {count: few_views(scenes, count) for count in VIEW_COUNTS}
+        for title, network in _shown_networks(networks):
+            estimator = network.estimator()
             measured = [
                 _accuracy(estimator, samples, f"{title}, {count} views of {split}")
-                for count, samples in looks.items()
+                for count, samples in samples_by_count.items()
             ]
             curves.append(
                 {
@@ -56,33 +63,37 @@ def measure_views(
         "views": list(VIEW_COUNTS),
         "scenes": {split: len(scenes) for split, scenes in subsets.items()},
         "curves": curves,
-        "few": _few(named(contenders, LIGHTNET), splits),
+        "few": _few(network_named(networks, LIGHTNET), splits),
     }
 
 
 def few_views(scenes: list[SynbrdfScene], count: int) -> list[Sample]:
-    """The scenes after ``count`` random views, without those of which these show nothing."""
-    looks = (shown(scene, drawn_views(scene, count)) for scene in scenes)
-    return [sample for sample in looks if len(sample.surface.colours)]
+    """The scenes with ``count`` random views, without those that these views do not show.
+
+    Args:
+        scenes: Scenes of the data set.
+        count: Number of views.
+    """
+    samples = (shown(scene, drawn_views(scene, count)) for scene in scenes)
+    return [sample for sample in samples if len(sample.surface.colours)]
 
 
-def _shown_networks(contenders: list[Contender]) -> list[tuple[str, Contender]]:
-    hemicnn, grouplet = named(contenders, "hemicnn-rmse1"), named(contenders, "grouplet-rmse1")
-    ours = named(contenders, LIGHTNET)
-    networks = [
-        ("HemiCNN", hemicnn),
+def _shown_networks(networks: list[EvaluatedNetwork]) -> list[tuple[str, EvaluatedNetwork]]:
+    grouplet = network_named(networks, "grouplet-rmse1")
+    curves = [
+        ("HemiCNN", network_named(networks, "hemicnn-rmse1")),
         ("Grouplet-fast", None if grouplet is None else grouplet.as_fast()),
         ("Grouplet-slow", grouplet),
-        ("lightnet", ours),
+        ("lightnet", network_named(networks, LIGHTNET)),
     ]
-    return [(title, contender) for title, contender in networks if contender is not None]
+    return [(title, network) for title, network in curves if network is not None]
 
 
-def _few(contender: Contender | None, splits: dict[str, list[SynbrdfScene]]) -> Any:
+def _few(network: EvaluatedNetwork | None, splits: dict[str, list[SynbrdfScene]]) -> Any:
     """What lightnet reaches at :data:`FEW_VIEWS` views of every scene, by split."""
-    if contender is None:
+    if network is None:
         return None
-    estimator = contender.estimator()
+    estimator = network.estimator()
     measured = {
         split: dataclasses.asdict(
             _accuracy(estimator, few_views(scenes, FEW_VIEWS), f"{FEW_VIEWS} views of all {split}")
@@ -98,7 +109,15 @@ def _accuracy(estimator: Estimator, samples: list[Sample], title: str) -> Accura
 
 
 def drawn_views(scene: SynbrdfScene, count: int) -> NDArray[np.int64]:
-    """``count`` random views, in their order; fewer are a subset of more."""
+    """Indices of ``count`` random views in ascending order; fewer are a subset of more.
+
+    Args:
+        scene: A scene of the data set.
+        count: Number of views.
+
+    Returns:
+        (count,) int64.
+    """
     views = len(scene.surface.view_centres)
     order = np.random.default_rng([SEED, scene.index]).permutation(views)
     return np.sort(order[:count])

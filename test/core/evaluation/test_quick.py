@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from reflest_core.cli.main import main
-from reflest_core.evaluation.quick_set import EXPECTED, QUICK_SET
+from reflest_core.evaluation.quick_check import EXPECTED, QUICK_SET
 
 
 def test_a_row_of_table_2_is_reproduced_from_what_is_shipped(capsys):

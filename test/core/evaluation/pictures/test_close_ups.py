@@ -11,7 +11,7 @@ import pytest
 
 pytest.importorskip("mitsuba")
 
-from reflest_core.evaluation.contenders import EvaluationError
+from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.evaluation.pictures.close_ups import HEIGHT, WIDTH, CloseUps, close_up
 from reflest_core.evaluation.pictures.failure_pictures import fullest_view, thumbnail_picture
 from reflest_core.synbrdf.generation.data_set import Generation

@@ -12,7 +12,7 @@ from reflest_core.evaluation.statistics.bootstrap import (
 )
 
 
-def test_scenes_that_err_alike_leave_no_doubt():
+def test_equal_errors_give_an_interval_of_no_width():
     interval = over_scenes(np.full(50, 0.25))
     assert (interval.low, interval.high) == (0.5, 0.5)
 

@@ -6,13 +6,13 @@ import json
 
 import pytest
 
-from reflest_core.evaluation.contenders import EvaluationError
-from reflest_core.evaluation.sections.buys import ablation
+from reflest_core.evaluation.networks import EvaluationError
+from reflest_core.evaluation.sections.ablations import ablation
 from reflest_core.evaluation.studies.ablation import collect_ablation
 
 
 def write_run(folder, name, without, errors):
-    """A training's figures with the given RMSE on held-out looks by views; validation half."""
+    """A training's figures with the given RMSE on held-out scenes by views; validation half."""
 
     def figures(rmse):
         return {"rmse": rmse, "rmse_per_parameter": [rmse] * 4 + [2 * rmse]}
@@ -41,7 +41,7 @@ def test_the_whole_comes_first_and_then_what_costs_most_last(tmp_path):
     assert "| light | 0.700 (+0.400) | 0.900 (+0.500) | 0.350 (+0.200) | 0.450 (+0.250) |" in page
     assert "| nothing | 0.300 (+0.000) | 0.400 (+0.000) |" in page
     assert "0.600 | 500 |" in page
-    assert "without city, forest" in page
+    assert "the environments city, forest held out" in page
     assert "- *light*: " in page
 
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The networks' rivals do what they claim where that is easy to see."""
+"""Baselines give the known answer on scenes where there is one."""
 
 import dataclasses
 
@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from reflest_core.brdf import srgb
-from reflest_core.evaluation.studies.simple_baselines import guess_mean, lambertian
+from reflest_core.evaluation.studies.baselines import guess_mean, lambertian
 from reflest_core.evaluation.studies.single_image import (
     Effort,
     Prior,
@@ -67,7 +67,7 @@ def test_the_optimiser_undoes_its_own_rendering():
     problem = _Problem(dataclasses.replace(view, colours=seen), STATISTICS, effort, prior)
     _, estimate = problem.solve(0.1)
     guess = np.abs(STATISTICS.mean[:3] - truth[:3].numpy()).mean()
-    # The light's scale is unknown, so the priors keep it from the truth, but the colour is told.
+    # The light's scale is unknown, so the priors keep it from the truth, but not its colour.
     assert np.abs(estimate[:3] - truth[:3].numpy()).mean() < 0.75 * guess
     assert estimate[0] < 0.7 * estimate[1] < 0.7 * estimate[2]
 

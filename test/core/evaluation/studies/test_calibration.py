@@ -59,9 +59,9 @@ def test_quarters_go_from_what_is_sure_to_what_is_not():
 
 def test_statuses_are_counted_with_the_error_of_their_estimates():
     made, samples = estimated(1.0)
-    doubted = np.arange(SCENES) % 4 == 0
-    made.ward[doubted] = np.stack([s.ward for s in samples])[doubted] + 2 * STATISTICS.stddev
-    statuses = np.where(doubted, "LOW_COVERAGE", "OK").tolist()
+    flagged = np.arange(SCENES) % 4 == 0
+    made.ward[flagged] = np.stack([s.ward for s in samples])[flagged] + 2 * STATISTICS.stddev
+    statuses = np.where(flagged, "LOW_COVERAGE", "OK").tolist()
     made = SceneEstimates(made.ward, made.stddev, statuses)
     rows = {
         row["status"]: row for row in measure_calibration(made, samples, STATISTICS)["statuses"]

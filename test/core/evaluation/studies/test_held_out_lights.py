@@ -1,12 +1,12 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Lights that trainings held out are told one by one; no light has a say in its own intervals."""
+"""Errors are listed by held-out light; no light has a part in calibrating its own intervals."""
 
 import numpy as np
 import pytest
 
 from reflest_core.cli.main import main
-from reflest_core.evaluation.contenders import EvaluationError
+from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.evaluation.sections.held_out import held_out_lights
 from reflest_core.evaluation.studies.held_out_lights import measure_held_out_lights
 from reflest_core.training.light.measured_looks import MeasuredLooks
@@ -34,7 +34,7 @@ def test_each_is_measured_by_itself_and_calibrated_by_the_others(tmp_path):
     found = record["views"]["100"]
     errors = np.concatenate([sure.errors[::2], bold.errors[::2]])
     assert record["lights"] == 3
-    assert found["looks"] == 2000
+    assert found["variants"] == 2000
     assert found["rmse"] == pytest.approx(np.sqrt((errors**2).mean()))
     assert found["by_light"]["dawn"] == pytest.approx(np.sqrt((bold.errors[::2] ** 2).mean()))
     assert list(found["by_light"])[-1] == "dawn"
@@ -57,7 +57,7 @@ def test_the_command_puts_them_on_the_page(data, tmp_path, capsys):
     given = ["--held-out", str(tmp_path / "a"), str(tmp_path / "b")]
     assert main(["evaluate", str(data), *out, *given, *part]) == 0
     page = (tmp_path / "out" / "index.md").read_text()
-    assert "Under every light of training" in page
+    assert "## Held-out training environments" in page
     assert ", dawn " in page
     assert "--held-out RUN..." in page
 

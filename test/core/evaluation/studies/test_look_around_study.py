@@ -11,8 +11,8 @@ pytest.importorskip("mitsuba")
 from reflest_core.cli.main import main
 from reflest_core.environment.known_rooms import KnownRooms
 from reflest_core.environment.room import Room
-from reflest_core.evaluation.contenders import Contender, EvaluationError
 from reflest_core.evaluation.estimates import estimate_all
+from reflest_core.evaluation.networks import EvaluatedNetwork, EvaluationError
 from reflest_core.evaluation.page import write_page
 from reflest_core.evaluation.record_file import Provenance, write_record
 from reflest_core.evaluation.shown_scenes import shown
@@ -49,7 +49,7 @@ def test_rooms_of_training_are_those_of_its_split(tmp_path):
 def test_only_the_light_differs(scenes, runs, tmp_path):
     (tmp_path / "manifest.json").write_text(json.dumps(GENERATION.manifest()))
     sources = SourceScenes(tmp_path, None, None)
-    lightnet = Contender(
+    lightnet = EvaluatedNetwork(
         "lightnet", "lightnet", "lightnet", runs / "lightnet" / "lightnet.safetensors"
     )
     rooms = KnownRooms([of_room(sources, scene) for scene in scenes], "here")

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The trained networks that are measured: the paper's variants that have weights, and ours."""
+"""The trained networks that are evaluated: the paper's variants that have weights, and lightnet."""
 
 from __future__ import annotations
 
@@ -24,11 +24,15 @@ class EvaluationError(ReflestError):
 
 
 @dataclass(frozen=True)
-class Contender:
-    """A network that estimates as ``model``, a key of :data:`MODELS`, with weights at ``weights``.
+class EvaluatedNetwork:
+    """A network with weights, as one row of the tables.
 
-    ``name``: of the variant of Table 2, or ``lightnet``. ``exact``: the same weights unquantised,
-    if kept.
+    Attributes:
+        name: The variant of Table 2, or ``lightnet``.
+        title: The name in tables and plots.
+        model: A key of :data:`MODELS`, which the network estimates as.
+        weights: The weight file.
+        exact: The same weights in float32, or None where they were not kept.
     """
 
     name: str
@@ -38,29 +42,37 @@ class Contender:
     exact: Path | None = None
 
     @property
-    def network(self) -> str:
-        """Its architecture."""
+    def architecture(self) -> str:
+        """The name of the network's architecture."""
         return MODELS[self.model].network
 
     def predictor(self) -> Predictor:
-        """Ready to look at surfaces, on one thread."""
+        """Load the weights; the predictor runs on one thread."""
         return Predictor(self.model, self.weights)
 
     def estimator(self) -> Estimator:
-        """The whole live path behind a store, on one thread; it estimates from a single voxel."""
+        """Load the live path after the store; it runs on one thread and accepts a single voxel."""
         return Estimator(
             EstimationSettings(model=self.model, weights=str(self.weights), min_voxels=1)
         )
 
-    def as_fast(self) -> Contender:
+    def as_fast(self) -> EvaluatedNetwork:
         """The same weights at Grouplet-fast's 20 voxels."""
         return dataclasses.replace(self, model="grouplet-fast")
 
 
-def find_contenders(runs: Path | None) -> list[Contender]:
-    """Networks trained into ``runs`` (``runs/<variant>/``), or without it the shipped ones.
+def find_networks(runs: Path | None) -> list[EvaluatedNetwork]:
+    """Find the networks to compare.
 
-    ``lightnet`` stands beside them in any case: from ``runs`` if it is there, else as shipped.
+    Args:
+        runs: A folder of trainings (``runs/<variant>/``), or None for the shipped weights.
+
+    Returns:
+        The variants of Table 2 that have weights, then lightnet: from ``runs`` if it is there, else
+        the shipped one.
+
+    Raises:
+        EvaluationError: ``runs`` holds no weights.
     """
     found = []
     for variant in VARIANTS:
@@ -68,9 +80,11 @@ def find_contenders(runs: Path | None) -> list[Contender]:
         if weights.is_file():
             exact = weights.with_name(f"{variant.name}-float32.safetensors")
             kept = exact if exact.is_file() else None
-            found.append(Contender(variant.name, variant.title, variant.model, weights, kept))
-    ours = [] if runs is None else [runs / LIGHTNET / MODELS[LIGHTNET].file]
-    trained = next((path for path in ours if path.is_file()), None)
+            found.append(
+                EvaluatedNetwork(variant.name, variant.title, variant.model, weights, kept)
+            )
+    candidates = [] if runs is None else [runs / LIGHTNET / MODELS[LIGHTNET].file]
+    trained = next((path for path in candidates if path.is_file()), None)
     if not found and trained is None:
         place = "this installation" if runs is None else runs
         raise EvaluationError(
@@ -79,21 +93,30 @@ def find_contenders(runs: Path | None) -> list[Contender]:
         )
     weights = trained or SHIPPED / MODELS[LIGHTNET].file
     if weights.is_file():
-        found.append(Contender(LIGHTNET, "lightnet (ours)", LIGHTNET, weights))
+        found.append(EvaluatedNetwork(LIGHTNET, "lightnet", LIGHTNET, weights))
     return found
 
 
-def named(contenders: list[Contender], name: str) -> Contender | None:
-    """The contender of that name, if it has weights."""
-    return next((contender for contender in contenders if contender.name == name), None)
+def network_named(networks: list[EvaluatedNetwork], name: str) -> EvaluatedNetwork | None:
+    """The network of that name, or None where it has no weights.
+
+    Args:
+        networks: The networks that have weights.
+        name: A variant of Table 2, or ``lightnet``.
+    """
+    return next((network for network in networks if network.name == name), None)
 
 
-def known_light(contenders: list[Contender]) -> Contender:
-    """lightnet; :class:`EvaluationError` where it has no weights."""
-    contender = named(contenders, LIGHTNET)
-    if contender is None:
+def require_lightnet(networks: list[EvaluatedNetwork]) -> EvaluatedNetwork:
+    """Return lightnet among ``networks``.
+
+    Raises:
+        EvaluationError: it has no weights.
+    """
+    network = network_named(networks, LIGHTNET)
+    if network is None:
         raise EvaluationError(
             "there are no weights of lightnet; train them with 'reflest train DATA --model "
             "lightnet --out RUNS/lightnet' and give --runs RUNS"
         )
-    return contender
+    return network

@@ -1,16 +1,19 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What each part of lightnet buys, and what a real camera's faults cost."""
+"""Sections: the parts of lightnet, and the faults of real cameras."""
 
 from __future__ import annotations
 
-from reflest_core.evaluation.sections.cells import Lines, Record
-from reflest_core.evaluation.sections.markdown import table
+from reflest_core.evaluation.sections.markdown import Lines, Record, table
 from reflest_core.models.normalisation import WARD_NAMES
 
 
 def realism(record: Record) -> Lines:
-    """The cost of each fault."""
+    """Section: the error that each fault of a real camera adds.
+
+    Args:
+        record: Result of :func:`.measure_realism`.
+    """
     networks = record["networks"]
     clean = record["rows"][0]["rmse"]
     body = []
@@ -21,7 +24,7 @@ def realism(record: Record) -> Lines:
             cells.append(f"{error:.3f} ({error - clean[name]:+.3f})")
         body.append(cells)
     return [
-        "## What a real camera's faults cost",
+        "## Faults of real cameras",
         "",
         f"RMSE on {record['scenes']} validation scenes drawn by seed, with each fault of",
         "`reflest synbrdf generate --realism` alone and all together; in brackets the difference",
@@ -33,7 +36,11 @@ def realism(record: Record) -> Lines:
 
 
 def realism_training(record: Record) -> Lines:
-    """What training with faults buys and costs."""
+    """Section: errors of networks trained with and without these faults.
+
+    Args:
+        record: Result of :func:`.measure_realism_training`.
+    """
     body = []
     for row in record["rows"]:
         without, hardened = row["without"], row["with"]
@@ -43,12 +50,12 @@ def realism_training(record: Record) -> Lines:
             cells += [f"{without[case]:.3f}", f"{hardened[case]:.3f} ({change:+.3f})"]
         body.append(cells)
     return [
-        "## What training with these faults buys",
+        "## Training with faults",
         "",
         f"RMSE on the same {record['scenes']} validation scenes, clean and with all faults, of the",
-        "paper's networks trained without faults and with `reflest train --realism`, which shows",
-        "them every scene a second time with the faults of a real capture. Minibatches are of the",
-        "last training; what it started from had more.",
+        "paper's networks trained without faults and with `reflest train --realism`, which adds",
+        "every scene a second time with the faults of a real capture. Minibatches are of the last",
+        "training alone, which started from trained weights.",
         "",
         *table(
             [
@@ -66,7 +73,11 @@ def realism_training(record: Record) -> Lines:
 
 
 def ablation(record: Record) -> Lines:
-    """What is lost where one thing is left out."""
+    """Section: the error where one part of lightnet is left out.
+
+    Args:
+        record: Result of :func:`.collect_ablation`.
+    """
     runs = record["runs"]
     views = sorted(runs[0]["splits"]["held_out"], key=int, reverse=True)
     header = ["without", *(f"held out, {count} views" for count in views)]
@@ -83,13 +94,14 @@ def ablation(record: Record) -> Lines:
         body.append([*cells, *per_parameter, run["minibatches"]])
     meanings = [f"- *{run['without']}*: {run['meaning']}" for run in runs if run["meaning"]]
     return [
-        "## What each part of lightnet buys",
+        "## The parts of lightnet",
         "",
-        "lightnet trained anew without one thing each, all by the same recipe on the same looks",
-        f"without {', '.join(record['hold_out'])}; RMSE on training scenes under these held-out",
-        "environments and on validation scenes under the others, in brackets the difference to the",
-        f"whole. The parameters' columns are of held-out scenes at {views[0]} views. Where a look",
-        "is at fewer views, nothing of the others is known. *Unseen* was not touched.",
+        "lightnet trained again without one part each, by the same recipe on the same scenes and",
+        f"views, with the environments {', '.join(record['hold_out'])} held out. RMSE on training",
+        "scenes under these environments and on validation scenes under the others, in brackets",
+        "the difference to the whole network. The parameters' columns are of held-out scenes at",
+        f"{views[0]} views. A smaller number of views is all that the network gets: no observation",
+        "and no light of the other views. The *unseen* split was not used.",
         "",
         *meanings,
         "",

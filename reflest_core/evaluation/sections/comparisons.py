@@ -1,16 +1,19 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Other ways to an estimate, and how the estimates look."""
+"""Sections: baselines, and rendered estimates compared."""
 
 from __future__ import annotations
 
-from reflest_core.evaluation.sections.cells import Lines, Record, interval, percent
-from reflest_core.evaluation.sections.markdown import table
+from reflest_core.evaluation.sections.markdown import Lines, Record, interval, percent, table
 from reflest_core.models.normalisation import WARD_NAMES
 
 
 def baselines(record: Record) -> Lines:
-    """Rivals on the same scenes."""
+    """Section: baselines on the same scenes.
+
+    Args:
+        record: Result of :func:`.measure_baselines`.
+    """
     header = ["method", "split", "scenes", "RMSE", "95 %, scenes", *WARD_NAMES]
     header += ["seconds a scene", "paper's seconds"]
     body = []
@@ -36,7 +39,11 @@ def baselines(record: Record) -> Lines:
 
 
 def perception(record: Record) -> Lines:
-    """The ranking by looks."""
+    """Section: networks ranked by the appearance of their estimates.
+
+    Args:
+        record: Result of :func:`.measure_perception`.
+    """
     lights = list(next(iter(record["flip_by_light"].values())))
     header = ["rank", "variant", "mean rank", "first of", "FLIP", "PSNR dB", "SSIM"]
     header += [f"FLIP, {light}" for light in lights] + ["paper's users"]
@@ -57,13 +64,13 @@ def perception(record: Record) -> Lines:
         ]
     )
     return [
-        "## How they look",
+        "## Appearance",
         "",
         "![Truth and estimates](contact-sheet.png)",
         "",
         f"In place of ten users: the truth and every estimate of {record['materials']} validation",
         "materials, drawn by seed, rendered on a sphere and a bumpy object under",
-        f"{', '.join(record['lights'])} (none of which training scenes stood in) and a point light",
+        f"{', '.join(record['lights'])} (environments of no training scene) and a point light",
         "in four places. Networks are ordered by their mean rank in FLIP, material by material.",
         "",
         *table(header, body),

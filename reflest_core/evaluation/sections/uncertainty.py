@@ -1,19 +1,22 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""How far an estimate can be trusted, and the ones that could not."""
+"""Sections: the stated uncertainty, and the worst estimates."""
 
 from __future__ import annotations
 
-from reflest_core.evaluation.sections.cells import Lines, Record, percent
-from reflest_core.evaluation.sections.markdown import table
+from reflest_core.evaluation.sections.markdown import Lines, Record, percent, table
 from reflest_core.models.normalisation import WARD_NAMES
 
 
 def calibration(record: Record) -> Lines:
-    """Intervals, deviations and statuses against what happened."""
+    """Section: intervals, standard deviations and statuses against the errors made.
+
+    Args:
+        record: Result of :func:`.measure_calibration` by split, under ``splits``.
+    """
     splits = record["splits"]
     return [
-        "## How sure it is, and how rightly",
+        "## Calibration of the stated uncertainty",
         "",
         "![Reliability](calibration.png)",
         "",
@@ -22,14 +25,14 @@ def calibration(record: Record) -> Lines:
         "",
         *table(["split", *WARD_NAMES], [_inside(split, of) for split, of in splits.items()]),
         "",
-        "Standard deviation of (estimate - truth) / stated deviation, 1 for a perfect one:",
+        "Standard deviation of (estimate - truth) / stated deviation; 1 is ideal:",
         "",
         *table(
             ["split", *WARD_NAMES],
             [[split, *map(float, of["z_stddev"])] for split, of in splits.items()],
         ),
         "",
-        "Scenes in four equal groups by the error that they state, and the error that they have:",
+        "Scenes in four equal groups by the stated error, with the actual error:",
         "",
         *table(
             ["split", "quarter", "scenes", "stated", "RMSE"],
@@ -40,7 +43,7 @@ def calibration(record: Record) -> Lines:
             ],
         ),
         "",
-        "How often each status is raised after all of a scene's views, and the error then:",
+        "Share of each status after all of a scene's views, and the error of these scenes:",
         "",
         *table(
             ["split", "status", "scenes", "share", "RMSE", *WARD_NAMES],
@@ -65,17 +68,21 @@ def _status(split: str, row: Record) -> list[object]:
 
 
 def failures(record: Record) -> Lines:
-    """The worst scenes, one by one."""
+    """Section: the scenes with the largest errors, one by one.
+
+    Args:
+        record: Result of :func:`.find_failures`, with the ``picture`` of each.
+    """
     found = record["failures"]
     lines = [
-        "## Where it fails",
+        "## Largest errors",
         "",
         f"The {len(found)} of {record['scenes']} unseen scenes with the largest error of lightnet;",
         *_without(record),
-        "Each shows the view that holds most of the object, the light that was seen (dim where it",
-        "was not, and had to be guessed), and a sphere of the true and of the estimated material",
-        "under an environment of neither. What is out of the ordinary is counted, not judged: a",
-        "measure in which the scene is among the worst tenth of the split.",
+        "Each row shows the view with most of the object, the observed light (dimmed where it was",
+        "not observed but completed), and a sphere of the true and of the estimated material",
+        "under another environment. Listed are the measures in which the scene is among the worst",
+        "tenth of the split.",
         "",
     ]
     for number, failure in enumerate(found, start=1):
