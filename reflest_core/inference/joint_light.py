@@ -1,0 +1,311 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The light of a scene, completed from all of its segments together.
+
+Surfaces of several colours and normals under one light tie its strength, where one alone leaves it
+open: what is too bright to be a plausible albedo under a weak light, on any segment, needs more
+light for all of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.inference.gloss_fit import GlossFit, fit_gloss
+from reflest_core.inference.joint_system import ChannelState, ChannelSystem
+from reflest_core.inference.light_prior import BRIGHT, LightPrior
+from reflest_core.inference.transport.light_patches import LightParts
+from reflest_core.inference.transport.patch_grid import (
+    PATCHES,
+    patch_image,
+    patches_of_texels,
+    texels_of_patches,
+)
+from reflest_core.inference.transport.scene_occluders import (
+    SceneOccluders,
+    SceneSight,
+    patch_shares,
+)
+from reflest_core.inference.transport.scene_reflection import scene_lobes, scene_reflection
+from reflest_core.light.completion import LightPyramid, complete, levels_below
+from reflest_core.light.cosine_weights import SIZE, cosine_weights
+from reflest_core.light.light_map import ObservedLight
+from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.surface.surface_sample import sampled
+from reflest_core.surface.thinning import thinned
+
+MOST_SAMPLED, FEWEST_EACH, MOST_EACH = 1500, 24, 192
+"""Voxels of all segments together, and bounds for each."""
+EVERY = 2
+"""Of the sampled observations the light is inferred from every second."""
+FIRST_TURNS, TURNS, WARM_TURNS = 8, 5, 3
+"""Gauss-Newton steps of the first round, of further rounds and from an earlier solution."""
+FIRST_ALBEDO = 0.2
+USUAL_ROUGHNESS = 4
+"""Index into :data:`.ROUGHNESSES`, for a segment with too few observations to fit gloss."""
+FEWEST = 20
+"""Observations of a segment, with fewer of which its gloss is not fitted."""
+COMPLETED_TRUST = 0.5
+"""How far completed light is believed where a lobe looks into it, beside light that was seen."""
+
+
+@dataclass(frozen=True)
+class SegmentGloss:
+    """Gloss of S segments, as the light's inference needs it.
+
+    Attributes:
+        rho_s: (S,) float64.
+        roughness: (S,) int64 index into :data:`.ROUGHNESSES`.
+    """
+
+    rho_s: NDArray[np.float64]
+    roughness: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class JointStart:
+    """An earlier solution to begin from; see :class:`ChannelState`.
+
+    Attributes:
+        rho_d: (S, 3), NaN for segments that are new.
+        rho_s: (S,), NaN for segments that are new.
+        light: (3, 2 P).
+    """
+
+    rho_d: NDArray[np.float64]
+    rho_s: NDArray[np.float64]
+    light: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class JointLight:
+    """The light of a scene and what it was inferred with; S segments, P patches.
+
+    Attributes:
+        filled: the light after pull and push alone.
+        light: the completed light.
+        factors: (3, 2 P) what the patches hold: a factor to the fill of unseen directions, then
+            radiance above white where clipped.
+        factor_deviations: (3, 2 P) their standard deviations.
+        rho_d: (S, 3), NaN for a segment without observations.
+        rho_d_log_deviation: (S, 3) standard deviation of ``log rho_d``.
+        rho_s: (S,).
+        roughness: (S,) index into :data:`.ROUGHNESSES`.
+        misfit: (3,) root mean square of the observations' relative errors.
+    """
+
+    filled: LightPyramid
+    light: LightPyramid
+    factors: NDArray[np.float64]
+    factor_deviations: NDArray[np.float64]
+    rho_d: NDArray[np.float64]
+    rho_d_log_deviation: NDArray[np.float64]
+    rho_s: NDArray[np.float64]
+    roughness: NDArray[np.int64]
+    misfit: NDArray[np.float64]
+
+    def start(self, segments: NDArray[np.int64]) -> JointStart:
+        """Where to begin the next inference.
+
+        Args:
+            segments: (S',) the row here of each segment then, -1 for new ones.
+        """
+        is_new = segments < 0
+        rho_d = np.where(is_new[:, None], np.nan, self.rho_d[segments])
+        return JointStart(rho_d, np.where(is_new, np.nan, self.rho_s[segments]), self.factors)
+
+    def deviation(self) -> NDArray[np.float32]:
+        """(N, N, 3) standard deviation of the completed radiance at the finest resolution."""
+        fine = self.filled.levels[0]
+        size = len(fine)
+        unseen, excess = self._images(self.factor_deviations, size)
+        is_unseen = 1.0 - fine[..., 3:4]
+        return np.asarray(
+            np.hypot(is_unseen * fine[..., :3] * unseen, self.filled.excess * excess), np.float32
+        )
+
+    @staticmethod
+    def _images(
+        factors: NDArray[np.float64], size: int
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        image = patch_image(factors.T[:PATCHES].astype(np.float32), size)
+        return image, patch_image(factors.T[PATCHES:].astype(np.float32), size)
+
+
+def complete_by(
+    observed: ObservedLight, filled: LightPyramid, factors: NDArray[np.float64]
+) -> LightPyramid:
+    """The observed light with what the patches hold where it is unseen or clipped.
+
+    Args:
+        observed: the light as it was seen.
+        filled: the same after pull and push.
+        factors: (3, 2 P), see :class:`JointLight`.
+    """
+    fine = filled.levels[0]
+    unseen, excess = JointLight._images(factors, len(fine))
+    bright = observed.radiance + excess * filled.excess
+    is_seen = observed.coverage[..., None] > 0.0
+    radiance = np.where(is_seen, bright, fine[..., :3] * unseen)
+    finest = np.concatenate([radiance, fine[..., 3:]], axis=-1).astype(np.float32)
+    return levels_below(finest, filled.excess)
+
+
+class JointInference:
+    """Infers the light of one snapshot; rounds may go on from each other."""
+
+    def __init__(
+        self,
+        surface: ObservedSurface,
+        labels: NDArray[np.int64],
+        observed: ObservedLight,
+        occluders: SceneOccluders,
+        prior: LightPrior = BRIGHT,
+    ) -> None:
+        """Choose voxels of every segment, and compute how they respond to the light.
+
+        Args:
+            surface: V voxels with their observations.
+            labels: (V,) segment of each voxel, -1 for voxels to leave out.
+            observed: the light as it was seen.
+            occluders: surfels of the whole scene.
+            prior: what unseen and clipped light may hold.
+        """
+        self.observed, self.filled, self.prior = observed, complete(observed), prior
+        self.segments = int(labels.max(initial=-1)) + 1
+        voxels, self._segment_of_voxel = _chosen_voxels(surface, labels, self.segments)
+        self._sample = sampled(surface, voxels)
+        weights = cosine_weights(self._sample.normals)
+        self._sight = occluders.sight(surface.positions[voxels], self._sample.normals, weights)
+        parts = LightParts.of(observed, self.filled)
+        self._diffuse = _diffuse_response(parts, weights, self._sight)
+
+    def gloss(
+        self, light: LightPyramid | None = None
+    ) -> tuple[list[GlossFit | None], SegmentGloss]:
+        """Fit the gloss of every segment under the light.
+
+        Args:
+            light: the completed light; None for the light as it was seen.
+
+        Returns:
+            The fits, None where a segment has too few observations, and their means.
+        """
+        sample = self._sample
+        lobes = scene_lobes(
+            light or self.filled,
+            sample.normals[sample.voxel_of],
+            sample.directions,
+            self._sight.of(sample.voxel_of),
+        )
+        if light is not None:
+            lobes[..., 3] = COMPLETED_TRUST + (1.0 - COMPLETED_TRUST) * lobes[..., 3]
+            lobes[..., 4] = 0.0
+        segment_of = self._segment_of_voxel[sample.voxel_of]
+        fits: list[GlossFit | None] = []
+        rho_s = np.zeros(self.segments)
+        roughness = np.full(self.segments, USUAL_ROUGHNESS)
+        for segment in range(self.segments):
+            rows = np.flatnonzero(segment_of == segment)
+            if len(rows) < FEWEST:
+                fits.append(None)
+                continue
+            _, voxel_of = np.unique(sample.voxel_of[rows], return_inverse=True)
+            fit = fit_gloss(sample.colours[rows], sample.clipped[rows], lobes[rows], voxel_of)
+            fits.append(fit)
+            rho_s[segment] = float(fit.weight @ fit.gloss)
+            roughness[segment] = fit.roughness
+        return fits, SegmentGloss(rho_s, roughness)
+
+    def infer(self, gloss: SegmentGloss, start: JointStart | None, turns: int) -> JointLight:
+        """Solve for the light, and ``rho_d`` and ``rho_s`` of each segment.
+
+        Args:
+            gloss: ``rho_s``, a prior, and the roughness, which is kept.
+            start: where to begin.
+            turns: Gauss-Newton steps.
+        """
+        sample = self._sample.every(EVERY)
+        segment_of = self._segment_of_voxel[sample.voxel_of]
+        present, starts, row_of = np.unique(segment_of, return_index=True, return_inverse=True)
+        mirrored = scene_reflection(
+            self.filled,
+            gloss.roughness[segment_of],
+            sample.normals[sample.voxel_of],
+            sample.directions,
+            self._sight.of(sample.voxel_of),
+        )
+        solutions = []
+        for channel in range(3):
+            prior = self.prior.of_channel(channel)
+            system = ChannelSystem(
+                sample.colours[:, channel],
+                sample.clipped[:, channel],
+                starts,
+                row_of.reshape(-1),
+                sample.voxel_of,
+                self._diffuse[channel],
+                mirrored.answers[channel],
+                gloss.rho_s[present],
+                prior,
+            )
+            state = ChannelState(
+                np.full(len(present), FIRST_ALBEDO), gloss.rho_s[present], prior.mean
+            )
+            if start is not None:
+                rho_d, rho_s = start.rho_d[present, channel], start.rho_s[present]
+                state = ChannelState(
+                    np.where(np.isnan(rho_d), FIRST_ALBEDO, rho_d),
+                    np.where(np.isnan(rho_s), gloss.rho_s[present], rho_s),
+                    start.light[channel],
+                )
+            solutions.append(system.solve(state, turns, start is not None))
+        factors = np.stack([one.state.light for one in solutions])
+        rho_d, deviation = np.full((2, self.segments, 3), np.nan)
+        rho_d[present] = np.stack([one.state.rho_d for one in solutions], axis=1)
+        deviation[present] = np.stack([one.log_albedo_deviation for one in solutions], axis=1)
+        rho_s = gloss.rho_s.copy()
+        rho_s[present] = np.mean([one.state.rho_s for one in solutions], axis=0)
+        return JointLight(
+            self.filled,
+            complete_by(self.observed, self.filled, factors),
+            factors,
+            np.stack([one.light_deviation for one in solutions]),
+            rho_d,
+            deviation,
+            rho_s,
+            gloss.roughness,
+            np.array([one.misfit for one in solutions]),
+        )
+
+
+def _chosen_voxels(
+    surface: ObservedSurface, labels: NDArray[np.int64], segments: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Voxels, by rising segment, and the segment of each."""
+    each = int(np.clip(MOST_SAMPLED // max(segments, 1), FEWEST_EACH, MOST_EACH))
+    counts = surface.observation_counts
+    chosen = []
+    for segment in range(segments):
+        members = np.flatnonzero(labels == segment)
+        chosen.append(members[thinned(counts[members], each)] if len(members) else members)
+    sizes = [len(members) for members in chosen]
+    return np.concatenate([*chosen, np.zeros(0, np.int64)]), np.repeat(np.arange(segments), sizes)
+
+
+def _diffuse_response(
+    parts: LightParts, weights: NDArray[np.float32], sight: SceneSight
+) -> NDArray[np.float32]:
+    """(3, V, 1 + 2 P), see :class:`.PatchResponse`."""
+    texels = texels_of_patches(SIZE)
+    arriving = weights * np.take(sight.visible, patches_of_texels(SIZE), axis=1)
+    hidden = patch_shares(weights) * (1.0 - sight.visible)
+    known = arriving @ parts.seen + np.einsum("vp,vpc->vc", hidden, sight.own)
+    unknown = np.concatenate([parts.fill, parts.excess], axis=-1)[texels]
+    by_patch = (arriving[:, texels].transpose(1, 0, 2) @ unknown).transpose(2, 1, 0)
+    return np.concatenate([known.T[..., None], by_patch[:3], by_patch[3:]], axis=-1).astype(
+        np.float32
+    )
