@@ -17,12 +17,14 @@ from reflest_core.capture.frame import Frame
 from reflest_core.environment.known_rooms import read_known_light
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.estimator import Estimator
+from reflest_core.estimation.material_map import MaterialMap
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.keyframe import KeyframePolicy
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.surface.partition import Partition
 
 
 @dataclass(frozen=True)
@@ -107,6 +109,24 @@ class Scanner:
             estimate,
             voxel_count=snapshot.voxel_count,
             observation_count=snapshot.observation_count,
+        )
+
+    def materials(self, snapshot: KeyframeSnapshot) -> MaterialMap:
+        """Estimate each material of a snapshot, all in one light.
+
+        Args:
+            snapshot: the scan at a keyframe.
+
+        Raises:
+            NoEstimate: Too few voxels were observed.
+        """
+        surface = snapshot.surface
+        return self.estimator.materials(
+            surface,
+            Partition.whole(surface),
+            snapshot.stamp_ns,
+            snapshot.frame_id,
+            snapshot.light_problem,
         )
 
     def restart_clock(self) -> None:

@@ -1,0 +1,158 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Checks of the arrays that a user of the Python API hands over."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from reflest_core.capture.camera import CameraIntrinsics
+from reflest_core.capture.pose import FURTHEST, quaternion_of, rigid_matrix
+from reflest_core.errors import ReflestError
+
+MOST_PIXELS = 1 << 26
+"""Pixels of an image at most."""
+LONGEST_FOCUS = 1e6
+"""Focal lengths and principal points at most, pixels."""
+LIKELY_MILLIMETRES = 50.0
+"""A median depth beyond it, in metres, is more likely in another unit."""
+
+
+class ArgumentRefused(ReflestError):
+    """An argument of the Python API cannot be used; the sentence says why and what to pass."""
+
+
+def checked_colour(rgb: ArrayLike) -> NDArray[np.uint8]:
+    """Check a colour image.
+
+    Args:
+        rgb: (H, W, 3) uint8, 8-bit sRGB, red first.
+
+    Raises:
+        ArgumentRefused: Another shape or type.
+    """
+    image = np.asarray(rgb)
+    if image.ndim != 3 or image.shape[2] != 3 or 0 in image.shape:
+        raise ArgumentRefused(f"rgb has shape {image.shape}: expected (height, width, 3)")
+    if image.dtype != np.uint8:
+        hint = "multiply values in [0, 1] by 255 and round them" if image.dtype.kind == "f" else ""
+        raise ArgumentRefused(
+            f"rgb is {image.dtype}: expected uint8, 8-bit sRGB" + (f"; {hint}" if hint else "")
+        )
+    if image.shape[0] * image.shape[1] > MOST_PIXELS:
+        raise ArgumentRefused(f"rgb has {image.shape[0]} x {image.shape[1]} pixels: too many")
+    return image
+
+
+def checked_depth(
+    depth: ArrayLike, shape: tuple[int, int], scale: float | None
+) -> NDArray[np.float32]:
+    """Check a depth image and convert it to metres.
+
+    Args:
+        depth: (H, W) Z along the optical axis, float in metres or integer in units of ``scale``;
+            0, NaN and infinity where unknown.
+        shape: (H, W) of the colour image, to which it is registered.
+        scale: metres in one unit of depth, None where the user gave none.
+
+    Returns:
+        (H, W) float32 metres, 0 where unknown.
+
+    Raises:
+        ArgumentRefused: Another shape, no number, an integer image without ``scale``, or values
+            that cannot be metres.
+    """
+    image = np.asarray(depth)
+    if image.shape != shape:
+        swapped = " (width and height look swapped)" if image.shape == shape[::-1] else ""
+        raise ArgumentRefused(
+            f"depth has shape {image.shape} and rgb {shape}{swapped}: register depth to colour "
+            "first; arrays are (height, width)"
+        )
+    if image.dtype.kind not in "uif":
+        raise ArgumentRefused(f"depth is {image.dtype}: expected floats in metres or integers")
+    if image.dtype.kind in "ui" and scale is None:
+        raise ArgumentRefused(
+            f"depth is {image.dtype}: pass metres as floats, or give Scanner depth_scale "
+            "(0.001 for millimetres)"
+        )
+    metres = image.astype(np.float32)
+    if scale is not None:
+        metres *= np.float32(scale)
+    known = np.isfinite(metres) & (metres > 0.0)
+    metres = np.where(known, metres, np.float32(0.0))
+    if known.any() and float(np.median(metres[known])) > LIKELY_MILLIMETRES:
+        raise ArgumentRefused(
+            f"depth's median is {float(np.median(metres[known])):.4g} m: it looks like "
+            "millimetres; pass metres, or give Scanner depth_scale=0.001"
+        )
+    return metres
+
+
+def checked_intrinsics(matrix: ArrayLike, shape: tuple[int, int]) -> CameraIntrinsics:
+    """Check a pinhole calibration.
+
+    Args:
+        matrix: (3, 3) K, or (4,) fx, fy, cx, cy; pixels, centres at integer coordinates.
+        shape: (H, W) of the images that it belongs to.
+
+    Raises:
+        ArgumentRefused: It is no such matrix, or its principal point lies outside the image.
+    """
+    values = np.asarray(matrix, np.float64)
+    if values.shape == (4,):
+        fx, fy, cx, cy = values.tolist()
+    elif values.shape == (3, 3):
+        if abs(values[0, 1]) > 1e-6 or not np.allclose(values[2], (0.0, 0.0, 1.0)):
+            raise ArgumentRefused(
+                "K is not [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]: rectify the images, and pass K as "
+                "rows"
+            )
+        fx, fy, cx, cy = (float(values[at]) for at in ((0, 0), (1, 1), (0, 2), (1, 2)))
+    else:
+        raise ArgumentRefused(f"K has shape {values.shape}: expected (3, 3), or fx, fy, cx, cy")
+    if not np.isfinite([fx, fy, cx, cy]).all() or not 0.0 < min(fx, fy) <= max(fx, fy) < 1e6:
+        raise ArgumentRefused(
+            f"K has fx = {fx:g}, fy = {fy:g}: expected positive focal lengths in pixels"
+        )
+    height, width = shape
+    if not (-0.5 <= cx <= width - 0.5 and -0.5 <= cy <= height - 0.5):
+        raise ArgumentRefused(
+            f"K's principal point ({cx:g}, {cy:g}) lies outside the {width} x {height} image: the "
+            "order is fx, fy, cx, cy, and K belongs to images of this size"
+        )
+    return CameraIntrinsics(width, height, fx, fy, cx, cy)
+
+
+def checked_pose(matrix: ArrayLike) -> NDArray[np.float64]:
+    """Check a pose and make its rotation exact, as a recorded capture's is.
+
+    Args:
+        matrix: (4, 4) ``T_world_camera`` of the camera's optical frame (z forward, x right,
+            y down), metres.
+
+    Raises:
+        ArgumentRefused: It is no rigid motion.
+    """
+    pose = np.asarray(matrix, np.float64)
+    if pose.shape != (4, 4):
+        raise ArgumentRefused(f"T_world_camera has shape {pose.shape}: expected (4, 4)")
+    if not np.isfinite(pose).all():
+        raise ArgumentRefused("T_world_camera holds NaN or infinity: skip frames without a pose")
+    if not np.allclose(pose[3], (0.0, 0.0, 0.0, 1.0)):
+        raise ArgumentRefused(
+            f"T_world_camera's last row is {pose[3].tolist()}: expected 0, 0, 0, 1 (is it "
+            "transposed?)"
+        )
+    if np.abs(pose[:3, 3]).max() > FURTHEST:
+        raise ArgumentRefused("T_world_camera lies over 1000 km from the origin: pass metres")
+    quaternion = np.array(quaternion_of(pose[:3, :3]))
+    if not np.isfinite(quaternion).all():
+        mirrored = np.linalg.det(pose[:3, :3]) < 0.0
+        why = "mirrors" if mirrored else "is not orthonormal to 0.01"
+        raise ArgumentRefused(
+            f"T_world_camera's rotation {why}: expected the camera's optical frame, z forward, "
+            "x right, y down"
+        )
+    return rigid_matrix(pose[:3, 3], quaternion)
