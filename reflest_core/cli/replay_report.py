@@ -14,6 +14,7 @@ from reflest_core.capture.capture import Capture
 from reflest_core.capture.frame import Frame
 from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
 from reflest_core.estimation.settings import ReflestSettings
+from reflest_core.fusion.poses.check import PoseCheck, PoseReport
 
 
 @dataclass
@@ -31,6 +32,7 @@ class ReplayResult:
     estimates: list[BrdfEstimate] = field(default_factory=list)
     final: BrdfEstimate | None = None
     no_final: str | None = None
+    poses: PoseReport = field(default_factory=lambda: PoseCheck().report)
 
 
 def estimate_line(estimate: BrdfEstimate) -> str:
@@ -98,6 +100,7 @@ def replay_record(
             "redundant": result.redundant_count,
             "light_alone": result.light_count,
         },
+        "poses": result.poses.to_json(),
         "estimates": [estimate.to_json() for estimate in result.estimates],
         "final": None if result.final is None else result.final.to_json(),
         "no_estimate": result.no_final,

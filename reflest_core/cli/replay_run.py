@@ -90,6 +90,7 @@ def _scan(capture: Capture, scanner: Scanner, result: ReplayResult) -> None:
 
 def _conclude(capture: Capture, scanner: Scanner, result: ReplayResult) -> None:
     """Estimate from the whole scan, or note why that cannot be done."""
+    result.poses = scanner.poses.report
     frame = result.last_fused
     if frame is None:
         reasons = "; ".join(capture.refusals.first_message.values())

@@ -7,6 +7,7 @@ The ROS node and ``reflest replay`` both drive this class, so that they agree bi
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,17 +15,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
+from reflest_core.capture.refusal import FrameRefused
 from reflest_core.environment.known_rooms import read_known_light
-from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.material_map import MaterialMap
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.keyframe import KeyframePolicy
+from reflest_core.fusion.poses.check import PoseCheck, PoseReport
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import Partition
+
+LONGEST_TEXT = 512
+"""The message's bound on ``status_text``."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +41,7 @@ class KeyframeSnapshot:
     after a load. ``frame_id``, ``world_frame_id``: names of the camera's and of the world frame.
     ``voxel_count``, ``observation_count``: of the whole scan, where the surface is a part of it;
     None where it is all there is. ``light_problem``: why light that was known before the scan was
-    not used, or "".
+    not used, or "". ``poses``: how well the scan's depth maps meet, None where none were fused.
     """
 
     stamp_ns: int
@@ -46,6 +52,7 @@ class KeyframeSnapshot:
     voxel_count: int | None = None
     observation_count: int | None = None
     light_problem: str = ""
+    poses: PoseReport | None = None
 
 
 @dataclass(frozen=True)
@@ -70,15 +77,27 @@ class Scanner:
         self._known_light = read_known_light(Path(path)) if path else None
         self.scan = Scan(settings.fusion, settings.region)
         self.keyframes = KeyframePolicy(settings.keyframe)
+        self.poses = PoseCheck()
         self._last_pose: NDArray[np.float64] | None = None
 
     def fuse(self, frame: Frame) -> ScannedFrame:
         """Fuse one frame; raises :class:`FrameRefused` and leaves the scan as it was."""
         fused = self.scan.fuse(frame)
+        after_jump = self.poses.add(frame)
+        if after_jump is not None and self.settings.fusion.on_jump == "new_scan":
+            fused = self._begin_after_jump(after_jump, frame)
         self._last_pose = frame.T_world_camera
         if not self.keyframes.is_keyframe(frame.stamp_ns, frame.T_world_camera):
             return ScannedFrame(fused, None)
         return ScannedFrame(fused, self.snapshot())
+
+    def _begin_after_jump(self, first: Frame, frame: Frame) -> FusedFrame:
+        """Forget the surface and fuse the two frames that came since the tracker jumped."""
+        self.scan.reset()
+        self.poses.drop_before_jump()
+        with contextlib.suppress(FrameRefused):  # it was fused for what lay before the jump
+            self.scan.fuse(first)
+        return self.scan.fuse(frame)
 
     def snapshot(self) -> KeyframeSnapshot:
         """A frozen copy of the scan to estimate from, with the last frame's stamp and pose."""
@@ -95,6 +114,7 @@ class Scanner:
             scan.store.observed_count,
             scan.observation_count,
             problem,
+            self.poses.report,
         )
 
     def estimate(self, snapshot: KeyframeSnapshot) -> BrdfEstimate:
@@ -103,6 +123,7 @@ class Scanner:
         estimate = self.estimator.estimate(
             surface, snapshot.stamp_ns, snapshot.frame_id, snapshot.light_problem
         )
+        estimate = _with_poses(estimate, snapshot.poses)
         if snapshot.voxel_count is None or snapshot.observation_count is None:
             return estimate
         return replace(
@@ -121,30 +142,38 @@ class Scanner:
             NoEstimate: Too few voxels were observed.
         """
         surface = snapshot.surface
-        return self.estimator.materials(
+        found = self.estimator.materials(
             surface,
             Partition.whole(surface),
             snapshot.stamp_ns,
             snapshot.frame_id,
             snapshot.light_problem,
         )
+        materials = (
+            replace(material, estimate=_with_poses(material.estimate, snapshot.poses))
+            for material in found.materials
+        )
+        return replace(found, materials=tuple(materials))
 
     def restart_clock(self) -> None:
         """Go on with frames of any stamp, as after a clock jump; what was scanned stays."""
         self.scan.restart_clock()
         self.keyframes.reset()
+        self.poses.restart()
 
     def set_region(self, region: RegionSettings) -> None:
         """Begin a scan of another region of interest, unless it is the one that is scanned."""
         if region != self.scan.region_settings:
             self.scan.set_region(region)
             self.keyframes.reset()
+            self.poses = PoseCheck()
             self._last_pose = None
 
     def reset(self) -> None:
         """Forget everything that was scanned."""
         self.scan.reset()
         self.keyframes.reset()
+        self.poses = PoseCheck()
         self._last_pose = None
 
     def save(self, path: Path) -> None:
@@ -157,5 +186,25 @@ class Scanner:
         The frames to come may have any stamp.
         """
         self.scan = Scan.load(path)
+        self.poses = PoseCheck()
         self.restart_clock()
         self._last_pose = None
+
+
+def _with_poses(estimate: BrdfEstimate, poses: PoseReport | None) -> BrdfEstimate:
+    """Add what is known of the poses; a problem with them is the most severe warning."""
+    if poses is None:
+        return estimate
+    if not poses.problem:
+        return replace(estimate, depth_agreement=poses.agreement)
+    sentences = [poses.problem]
+    for sentence in filter(None, estimate.status_text.split("; ")):
+        if len("; ".join([*sentences, sentence])) > LONGEST_TEXT:
+            break
+        sentences.append(sentence)
+    return replace(
+        estimate,
+        depth_agreement=poses.agreement,
+        status=EstimateStatus.INCONSISTENT_POSES,
+        status_text="; ".join(sentences)[:LONGEST_TEXT],
+    )

@@ -70,6 +70,12 @@ class FusionSettings:
         minimum=1,
         maximum=20,
     )
+    on_jump: str = parameter(
+        "new_scan",
+        "When the tracker jumps in mid-scan, as at a loop closure: new_scan drops what was scanned "
+        "before and goes on from there, keep goes on in the same scan. Both say so in the status.",
+        choices=("new_scan", "keep"),
+    )
     threads: int = parameter(
         2,
         "Threads that share the work on a frame; results do not depend on it.",

@@ -11,6 +11,7 @@ import numpy as np
 from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.observations.eviction import least_worthy
+from reflest_core.fusion.poses.agreement import DepthSample
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.fusion.tsdf.block_erasure import erase_blocks, surface_keys
@@ -36,6 +37,8 @@ def warm_up() -> None:
     for stamp_ns in (1, 2, 3):  # the second adds to the first's view, the third may be redundant
         scan.fuse(dataclasses.replace(wall, stamp_ns=stamp_ns))
     scan.snapshot()
+    sample = DepthSample(wall)
+    sample.meets(sample, np.eye(4))
     at_one_exposure(np.zeros((1, 3), np.uint8), np.full(1, 2.0, np.float32), np.zeros(1, np.uint16))
     scan.store.drop_views(np.array([0]))
     least_worthy(scan.store.rows.last_seen, scan.store.rows.counts, 0, 0, 0)

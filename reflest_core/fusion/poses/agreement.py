@@ -1,0 +1,150 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""How well two depth maps meet under the poses that came with them.
+
+A sample of one frame's depth is moved into an earlier frame by the two poses. Where poses, units
+and intrinsics are right, it lands on that frame's depth.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.capture.frame import Frame
+from reflest_core.jit import compiled, kernel_array
+
+SAMPLES = 2500
+"""Pixels of a frame that are compared, about."""
+FEWEST = 50
+"""With fewer samples in sight of both frames a pair says nothing."""
+TOLERANCE = 0.01
+"""Distance along the optical axis within which depths agree, metres at up to one metre away."""
+GROWTH = 1.5
+"""Beyond one metre the tolerance grows with this power of depth: a sensor's noise does."""
+RELATIVE_TOLERANCE = 0.05
+"""The tolerance is never more than this share of the depth."""
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How well two depth maps meet.
+
+    Attributes:
+        share: Share in [0, 1] of the samples in sight of both frames that agree within tolerance.
+        cost: Mean distance of those samples over the tolerance, each at most 1.
+        count: Samples in sight of both frames.
+    """
+
+    share: float
+    cost: float
+    count: int
+
+    @property
+    def is_known(self) -> bool:
+        """Whether there were enough samples to judge by."""
+        return self.count >= FEWEST
+
+
+class DepthSample:
+    """One frame's depth map, pose and a regular sample of its valid pixels.
+
+    Attributes:
+        depth: (H, W) float32 metres, the frame's own array.
+        pose: (4, 4) float64, ``T_world_camera``.
+    """
+
+    def __init__(self, frame: Frame) -> None:
+        """Draw the sample.
+
+        Args:
+            frame: Depth in metres with its pose and intrinsics.
+        """
+        self.depth = kernel_array(frame.depth, np.float32)
+        self.pose = np.asarray(frame.T_world_camera, np.float64)
+        camera = frame.intrinsics
+        self._pinhole = np.array([camera.fx, camera.fy, camera.cx, camera.cy])
+        # Odd, so that depth which is valid in every second row or column alone is met as well.
+        stride = (int(math.sqrt(np.count_nonzero(frame.depth) / SAMPLES)) + 1) // 2 * 2 - 1
+        stride = max(stride, 1)
+        z = frame.depth[stride // 2 :: stride, stride // 2 :: stride]
+        rows, columns = np.nonzero((z > 0.0) & (z < np.inf))
+        self._rays = np.empty((len(rows), 3))
+        self._rays[:, 0] = (columns * stride + stride // 2 - camera.cx) / camera.fx
+        self._rays[:, 1] = (rows * stride + stride // 2 - camera.cy) / camera.fy
+        self._rays[:, 2] = z[rows, columns]
+
+    @property
+    def median_depth(self) -> float:
+        """Median depth of the sample, metres; 0 without any."""
+        return float(np.median(self._rays[:, 2])) if len(self._rays) else 0.0
+
+    def meets(
+        self, earlier: DepthSample, T_earlier_self: NDArray[np.float64], is_ray: bool = False
+    ) -> Agreement:
+        """Compare this frame's sample with an earlier frame's depth map.
+
+        Args:
+            earlier: The frame to land on.
+            T_earlier_self: (4, 4) this camera's optical frame in the earlier one's.
+            is_ray: Read both depth maps as distances along the pixels' rays.
+
+        Returns:
+            The agreement; not known where the two frames share too little.
+        """
+        transform = kernel_array(T_earlier_self, np.float64)
+        agreeing, cost, count = _compared(
+            self._rays, transform, earlier.depth, earlier._pinhole, is_ray
+        )
+        return Agreement(agreeing / max(count, 1), cost / max(count, 1), count)
+
+
+@compiled
+def _compared(
+    rays: NDArray[np.float64],
+    transform: NDArray[np.float64],
+    depth: NDArray[np.float32],
+    pinhole: NDArray[np.float64],
+    is_ray: bool,
+) -> tuple[int, float, int]:
+    """Return how many samples agree, their summed cost, and how many are in sight of both."""
+    agreeing, cost, count = 0, 0.0, 0
+    fx, fy, cx, cy = pinhole
+    height, width = depth.shape
+    for index in range(len(rays)):
+        x, y, here = rays[index]
+        if is_ray:
+            here /= math.sqrt(1.0 + x * x + y * y)
+        away = _row(transform[2], x, y, here)
+        if not away > 0.0:
+            continue
+        column = fx * _row(transform[0], x, y, here) / away + cx
+        row = fy * _row(transform[1], x, y, here) / away + cy
+        if not (-0.5 < column < width - 0.5 and -0.5 < row < height - 0.5):
+            continue
+        at_column, at_row = 0, 0
+        there = np.float64(0.0)
+        for step in range(4):  # into a gap: the next pixel to the right or below
+            if not 0.0 < there < math.inf:
+                at_column = min(round(column) + step % 2, width - 1)
+                at_row = min(round(row) + step // 2, height - 1)
+                there = np.float64(depth[at_row, at_column])
+        if not 0.0 < there < math.inf:
+            continue
+        if is_ray:
+            there /= math.sqrt(1.0 + ((at_column - cx) / fx) ** 2 + ((at_row - cy) / fy) ** 2)
+        tolerance = min(TOLERANCE * max(there, 1.0) ** GROWTH, RELATIVE_TOLERANCE * there)
+        distance = abs(away - there) / tolerance
+        agreeing += distance <= 1.0
+        cost += min(distance, 1.0)
+        count += 1
+    return agreeing, cost, count
+
+
+@compiled
+def _row(transform: NDArray[np.float64], x: float, y: float, z: float) -> float:
+    """One coordinate of the point at depth ``z`` on the ray (x, y, 1), transformed."""
+    return float(transform[0] * x * z + transform[1] * y * z + transform[2] * z + transform[3])

@@ -1,0 +1,234 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Watches a scan's poses: whether frames meet, jumps of the tracker, depth along rays."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.capture.frame import Frame
+from reflest_core.fusion.poses.agreement import Agreement, DepthSample
+from reflest_core.fusion.poses.conventions import Pair, likely_convention
+
+LEAST_SHARE = 0.6
+"""Below this pairs do not meet. Right poses give .7 to 1, wrong conventions 0 to .7."""
+TRIED_SHARE = 0.9
+"""Below this the usual conventions are tried: another may fit far better."""
+FEWEST_PAIRS = 2
+"""Pairs from which on a scan is judged."""
+TURN = math.radians(10.0)
+"""Least rotation between the frames of a pair, or else:"""
+SHIFT = 0.15
+"""their distance over the median depth."""
+MOST_TURN = math.radians(40.0)
+"""Frames further apart share little more than rims, which do not meet well."""
+KEPT_PAIRS = 4
+"""Pairs of frames that are kept for trying conventions."""
+MOST_SHARES = 256
+
+STEADY = 0.8
+"""Consecutive frames must have agreed so well for a jump to stand out."""
+JUMP = 0.5
+"""A jump cuts the agreement to less than this share of what it was."""
+RAY_COST = 0.7
+"""Depth is a ray's length where reading it so cuts the cost to less than this share."""
+
+
+@dataclass(frozen=True)
+class PoseReport:
+    """What is known of a scan's poses.
+
+    Attributes:
+        pairs: Pairs of frames that were compared.
+        agreement: Median share of depth that meets, in [0, 1]; NaN without pairs.
+        worst: The least share of a pair; NaN without pairs.
+        jumps: Jumps of the tracker since the scan began.
+        problem: A sentence that says what is wrong and what to change, or "".
+    """
+
+    pairs: int
+    agreement: float
+    worst: float
+    jumps: int
+    problem: str
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the fields by name; null for NaN and for no problem."""
+        return {
+            "pairs": self.pairs,
+            "agreement": None if math.isnan(self.agreement) else self.agreement,
+            "worst": None if math.isnan(self.worst) else self.worst,
+            "jumps": self.jumps,
+            "problem": self.problem or None,
+        }
+
+
+class PoseCheck:
+    """Compares every fused frame with the one before, and with one from another viewpoint."""
+
+    def __init__(self) -> None:
+        self._shares: deque[float] = deque(maxlen=MOST_SHARES)
+        self._costs: deque[tuple[float, float]] = deque(maxlen=MOST_SHARES)
+        self._apart: deque[Pair] = deque(maxlen=KEPT_PAIRS)
+        self._steady: deque[float] = deque(maxlen=9)
+        self._out_of_sight = 0
+        self._reference: DepthSample | None = None
+        self._previous: DepthSample | None = None
+        self._previous_frame: Frame | None = None
+        self._before_jump: DepthSample | None = None
+        self._jumps: list[int] = []
+        self._was_dropped = False
+        self._judged: tuple[int, str] = (-1, "")
+
+    def add(self, frame: Frame) -> Frame | None:
+        """Take the next fused frame.
+
+        Args:
+            frame: As it was fused.
+
+        Returns:
+            None, or where this frame confirms that the tracker jumped: the first frame after the
+            jump, which is the one before ``frame``.
+        """
+        sample = DepthSample(frame)
+        after_jump = self._judge_step(sample, frame.stamp_ns)
+        self._judge_pair(sample)
+        self._previous, self._previous_frame = sample, frame
+        return after_jump
+
+    def drop_before_jump(self) -> None:
+        """Note that what was scanned before the last jump was dropped."""
+        self._was_dropped = True
+
+    def restart(self) -> None:
+        """Compare the next frame with none before it, as after a jump of the clock."""
+        self._reference = self._previous = self._previous_frame = self._before_jump = None
+
+    @property
+    def report(self) -> PoseReport:
+        """What is known by now; conventions are tried where pairs do not meet."""
+        shares = sorted(self._shares)
+        middle = shares[len(shares) // 2] if shares else math.nan
+        return PoseReport(
+            len(shares),
+            middle,
+            shares[0] if shares else math.nan,
+            len(self._jumps),
+            self._problem(middle),
+        )
+
+    def _judge_step(self, sample: DepthSample, stamp_ns: int) -> Frame | None:
+        """Tell a jump from one bad frame: after a jump the new frames agree among themselves."""
+        if self._previous is None:
+            return None
+        step = _met(self._previous, sample)
+        before, self._before_jump = self._before_jump, None
+        if not step.is_known:
+            return None
+        usual = float(np.median(self._steady)) if len(self._steady) >= 3 else 0.0
+        if usual < STEADY or step.share >= JUMP * usual:
+            self._steady.append(step.share)
+            if before is None or step.share < STEADY * usual:
+                return None
+            across = _met(before, sample)
+            if not across.is_known or across.share >= JUMP * usual:
+                return None
+            self._jumps.append(stamp_ns)
+            self._was_dropped = False
+            self._reference = self._previous
+            return self._previous_frame
+        if before is None:
+            self._before_jump = self._previous
+        return None
+
+    def _judge_pair(self, sample: DepthSample) -> None:
+        """Compare with the reference once the camera has moved, then refer to this frame."""
+        reference = self._reference
+        if reference is None:
+            self._reference = sample
+            return
+        turn, shift = _motion(reference, sample)
+        if self._before_jump is not None or not (turn > TURN or shift > SHIFT):
+            return
+        self._reference = sample
+        if turn > MOST_TURN:
+            return
+        agreement = _met(reference, sample)
+        if not agreement.is_known:
+            self._out_of_sight += 1
+            self._apart.append((reference, sample))
+            return
+        self._apart.append((reference, sample))
+        self._shares.append(agreement.share)
+        relative = np.linalg.inv(reference.pose) @ sample.pose
+        self._costs.append((agreement.cost, sample.meets(reference, relative, is_ray=True).cost))
+
+    def _problem(self, middle: float) -> str:
+        sentences = [self._convention(middle), self._ray_length(), self._jump()]
+        return "; ".join(sentence for sentence in sentences if sentence)
+
+    def _convention(self, middle: float) -> str:
+        pairs = len(self._shares) + self._out_of_sight
+        if pairs < FEWEST_PAIRS:
+            return ""
+        is_unseen = self._out_of_sight > len(self._shares)
+        if not is_unseen and middle >= TRIED_SHARE:
+            return ""
+        if self._judged[0] != pairs:
+            given = 0.0 if is_unseen else middle
+            self._judged = pairs, likely_convention(list(self._apart), given)
+        likely = self._judged[1]
+        if is_unseen:
+            return f"frames show nothing in common under their poses: {likely}" if likely else ""
+        if not likely and middle >= LEAST_SHARE:
+            return ""
+        advice = likely or (
+            "check the frame whose pose is given, the unit of depth, the intrinsics and the stamps"
+        )
+        return f"only {middle:.0%} of the depth of frames meets under their poses: {advice}"
+
+    def _ray_length(self) -> str:
+        if len(self._costs) < FEWEST_PAIRS:
+            return ""
+        given, as_ray = (float(np.median(costs)) for costs in zip(*self._costs, strict=True))
+        if as_ray > RAY_COST * given or given < 0.1:
+            return ""
+        return (
+            "depth seems to be the distance along each pixel's ray, as some simulators give it: "
+            "set capture.depth_kind to ray"
+        )
+
+    def _jump(self) -> str:
+        if not self._jumps:
+            return ""
+        dropped = (
+            "what was scanned before the last was dropped"
+            if self._was_dropped
+            else (
+                "surfaces from before and after are mixed: reset the scan, or set fusion.on_jump "
+                "to new_scan"
+            )
+        )
+        times = "once" if len(self._jumps) == 1 else f"{len(self._jumps)} times"
+        return (
+            f"the tracker jumped {times}, last at {self._jumps[-1] / 1e9:.3f} s (a loop closure or "
+            f"a relocalisation?): {dropped}"
+        )
+
+
+def _met(earlier: DepthSample, later: DepthSample) -> Agreement:
+    return later.meets(earlier, np.linalg.inv(earlier.pose) @ later.pose)
+
+
+def _motion(earlier: DepthSample, later: DepthSample) -> tuple[float, float]:
+    """Return the rotation between two frames, radians, and their distance over the depth."""
+    relative: NDArray[np.float64] = np.linalg.inv(earlier.pose) @ later.pose
+    cosine = (float(np.trace(relative[:3, :3])) - 1.0) / 2.0
+    distance = float(np.linalg.norm(relative[:3, 3]))
+    return math.acos(min(max(cosine, -1.0), 1.0)), distance / max(earlier.median_depth, 1e-6)
