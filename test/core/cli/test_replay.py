@@ -98,6 +98,7 @@ def test_the_json_has_the_messages_field_names_and_null_for_unknown(final_of):
         "lab_stddev",
         "c_stddev",
         "d_stddev",
+        "depth_agreement",
         "latency",
     }
     assert final["latency"] is None
