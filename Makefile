@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-# make demo, make test and make lint set up what they need in .venv, and nothing outside the checkout.
+# make demo, test, bench, lint and docs set up what they need in .venv, and nothing outside the checkout.
 # TORCH_INDEX=https://download.pytorch.org/whl/cpu keeps PyPI's CUDA build of torch away.
 
 PYTHON ?= python3.11
@@ -22,7 +22,7 @@ TEST_REQUIREMENTS := reflest_core/requirements-synbrdf.txt reflest_core/requirem
 INTERFACES := CMakeLists.txt package.xml setup.py pyproject.toml $(wildcard msg/*.msg srv/*.srv)
 requirement_flags = $(foreach file,$(1),-r $(file))
 
-.PHONY: demo test bench lint set-up clean
+.PHONY: demo test bench lint docs set-up clean
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/run.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
@@ -41,6 +41,9 @@ lint: $(VENV)/test.stamp $(VENV)/interfaces.stamp
 	$(BIN)/mypy
 	$(BIN)/ament_flake8 --config .ci/ament_flake8.ini $(LINTED)
 
+docs: $(VENV)/docs.stamp
+	$(BIN)/sphinx-build --fail-on-warning --keep-going -q docs build/site
+
 set-up: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
 
 $(BIN)/python:
@@ -54,6 +57,10 @@ $(VENV)/run.stamp: $(RUN_REQUIREMENTS) | $(BIN)/python
 $(VENV)/test.stamp: $(RUN_REQUIREMENTS) $(TEST_REQUIREMENTS) | $(BIN)/python
 	$(PIP_INSTALL) $(call requirement_flags,$(RUN_REQUIREMENTS) $(TEST_REQUIREMENTS))
 	touch $(VENV)/run.stamp $@
+
+$(VENV)/docs.stamp: requirements/docs.txt $(VENV)/test.stamp
+	$(PIP_INSTALL) -r requirements/docs.txt
+	touch $@
 
 $(VENV)/interfaces.stamp: $(INTERFACES) | $(VENV)/run.stamp
 	$(PIP_INSTALL) --no-build-isolation --no-deps --editable .
