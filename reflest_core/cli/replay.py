@@ -21,6 +21,12 @@ def add_parser(subparsers: Any) -> None:
     )
     parser.add_argument("capture", type=Path, metavar="CAPTURE")
     parser.add_argument("--json", type=Path, metavar="OUT", help="write all estimates as JSON")
+    parser.add_argument(
+        "--materials",
+        type=Path,
+        metavar="PLY",
+        help="write every observed voxel with its material as a binary PLY",
+    )
     parser.add_argument("--save-scan", type=Path, metavar="FILE", help="write volume and store")
     parser.add_argument(
         "--environment",

@@ -10,9 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
+from reflest_core.brdf.srgb import encode
 from reflest_core.capture.capture import Capture
 from reflest_core.capture.frame import Frame
 from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
+from reflest_core.estimation.material_map import MaterialMap
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.fusion.poses.check import PoseCheck, PoseReport
 
@@ -32,6 +36,7 @@ class ReplayResult:
     estimates: list[BrdfEstimate] = field(default_factory=list)
     final: BrdfEstimate | None = None
     no_final: str | None = None
+    materials: MaterialMap | None = None
     poses: PoseReport = field(default_factory=lambda: PoseCheck().report)
 
 
@@ -63,6 +68,41 @@ def final_lines(estimate: BrdfEstimate) -> list[str]:
         f"  c, d   {_with_deviation(gloss, gloss_stddev, 4)}  (contrast and distinctness of gloss)",
         f"  model  {estimate.model_id}, Ward variant {estimate.ward_variant}",
     ]
+
+
+def material_lines(materials: MaterialMap, is_terminal: bool = False) -> list[str]:
+    """Tabulate all materials, the largest first.
+
+    Args:
+        materials: of the whole scan.
+        is_terminal: draw a patch of each colour by a terminal's escape codes.
+
+    Returns:
+        A line of titles, then one for each material: id, area, Ward values with one standard
+        deviation, error of the rendered colours, status.
+    """
+    titles = ("  id", f"{'cm2':>8}", f"{'rho_d, linear sRGB':36}", f"{'rho_s':13}", f"{'alpha':13}")
+    lines = ["  ".join((*titles, "error", "status"))]
+    for material in materials.materials:
+        found = material.estimate
+        columns = [
+            f"{material.id:4d}",
+            f"{1e4 * material.area:8.1f}",
+            f"{_with_deviation(found.rho_d, found.rho_d_stddev, 2):36s}",
+            f"{_with_deviation((found.rho_s,), (found.rho_s_stddev,), 3):13s}",
+            f"{_with_deviation((found.alpha,), (found.alpha_stddev,), 3):13s}",
+            f"{error:5.0%}" if math.isfinite(error := material.photometric_error) else "    -",
+            found.status.name,
+        ]
+        patch = _colour_patch(found.rho_d) if is_terminal else ""
+        lines.append("  ".join(columns) + patch)
+    return lines
+
+
+def _colour_patch(rho_d: Sequence[float]) -> str:
+    """Two spaces on a background of the albedo's sRGB colour, for terminals of 24-bit colour."""
+    red, green, blue = (255.0 * encode(np.array(rho_d))).round().astype(int).tolist()
+    return f"  \x1b[48;2;{red};{green};{blue}m  \x1b[0m"
 
 
 def _with_deviation(values: Sequence[float], stddev: Sequence[float], digits: int) -> str:
@@ -103,6 +143,9 @@ def replay_record(
         "poses": result.poses.to_json(),
         "estimates": [estimate.to_json() for estimate in result.estimates],
         "final": None if result.final is None else result.final.to_json(),
+        "materials": [material.to_json() for material in result.materials.materials]
+        if result.materials
+        else [],
         "no_estimate": result.no_final,
         "refusals": {
             cause.value: {"count": count, "first": first_message[cause]}

@@ -18,12 +18,17 @@ from reflest_core.cli.replay_report import (
     ReplayResult,
     estimate_line,
     final_lines,
+    material_lines,
     refusals_line,
     replay_record,
 )
 from reflest_core.estimation.estimator import NoEstimate
 from reflest_core.estimation.scanner import Scanner
 from reflest_core.export.environment_file import export_environment, light_format
+from reflest_core.export.material_ply import export_materials
+
+EVERY_VOXEL = 1 << 24
+"""More voxels than a scan's memory budget holds."""
 
 
 def replay(options: argparse.Namespace) -> None:
@@ -32,7 +37,7 @@ def replay(options: argparse.Namespace) -> None:
     Raises:
         ReflestError: a bad option, an unreadable capture, or no estimate at its end.
     """
-    for path in (options.json, options.save_scan, options.environment):
+    for path in (options.json, options.materials, options.save_scan, options.environment):
         if path is not None:
             check_writable(path)
     light_kind = light_format(options.environment) if options.environment else ""
@@ -54,6 +59,8 @@ def replay(options: argparse.Namespace) -> None:
     _report(capture, result)
     if options.json is not None:
         write_json(options.json, replay_record(capture, settings, result))
+    if options.materials is not None and result.materials is not None:
+        export_materials(result.materials, options.materials)
     if options.save_scan is not None and result.fused_count:
         scanner.save(options.save_scan)
     if light_kind and result.fused_count:
@@ -98,6 +105,7 @@ def _conclude(capture: Capture, scanner: Scanner, result: ReplayResult) -> None:
         return
     try:
         result.final = scanner.estimate(scanner.snapshot())
+        result.materials = scanner.materials(scanner.snapshot(EVERY_VOXEL))
     except NoEstimate as reason:
         result.no_final = str(reason)
 
@@ -107,6 +115,8 @@ def _report(capture: Capture, result: ReplayResult) -> None:
     counts = "".join(f", {count} of them {what}" for what, count in notes.items() if count)
     print(f"{capture.frames_seen} colour images, {result.fused_count} frames fused{counts}")
     for line in final_lines(result.final) if result.final else []:
+        print(line)
+    for line in material_lines(result.materials, sys.stdout.isatty()) if result.materials else []:
         print(line)
     if refused := refusals_line(capture):
         _say(refused)

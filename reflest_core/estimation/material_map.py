@@ -71,6 +71,7 @@ class MaterialMap:
         rho_d: (V, 3) float32, each voxel's diffuse albedo, linear sRGB; NaN where unknown.
         rho_d_stddev: (V, 3) float32, its standard deviation; NaN where unknown.
         light: inferred from all materials; None from networks that see no light.
+        world_frame_id: frame of the surface, "" where unknown.
     """
 
     stamp_ns: int
@@ -81,6 +82,7 @@ class MaterialMap:
     rho_d: NDArray[np.float32]
     rho_d_stddev: NDArray[np.float32]
     light: SceneLight | None = None
+    world_frame_id: str = ""
 
     @property
     def material_ids(self) -> NDArray[np.uint32]:

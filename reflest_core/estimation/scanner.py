@@ -26,6 +26,7 @@ from reflest_core.fusion.keyframe import KeyframePolicy
 from reflest_core.fusion.poses.check import PoseCheck, PoseReport
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import RegionSettings
+from reflest_core.fusion.snapshot import MOST_VOXELS
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import Partition
 
@@ -99,9 +100,13 @@ class Scanner:
             self.scan.fuse(first)
         return self.scan.fuse(frame)
 
-    def snapshot(self) -> KeyframeSnapshot:
-        """A frozen copy of the scan to estimate from, with the last frame's stamp and pose."""
-        scan, surface, problem = self.scan, self.scan.snapshot(), ""
+    def snapshot(self, most_voxels: int = MOST_VOXELS) -> KeyframeSnapshot:
+        """Copy the scan to estimate from, with the last frame's stamp and pose.
+
+        Args:
+            most_voxels: a larger scan is thinned evenly to so many voxels.
+        """
+        scan, surface, problem = self.scan, self.scan.snapshot(most_voxels), ""
         if self._known_light is not None and surface.light is not None:
             joined = self._known_light.joined(surface.light)
             surface, problem = replace(surface, light=joined.light), joined.problem
@@ -153,7 +158,7 @@ class Scanner:
             replace(material, estimate=_with_poses(material.estimate, snapshot.poses))
             for material in found.materials
         )
-        return replace(found, materials=tuple(materials))
+        return replace(found, materials=tuple(materials), world_frame_id=snapshot.world_frame_id)
 
     def restart_clock(self) -> None:
         """Go on with frames of any stamp, as after a clock jump; what was scanned stays."""
