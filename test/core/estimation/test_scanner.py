@@ -3,7 +3,6 @@
 """The live path in one object: what an estimate says of the scan that it comes from."""
 
 import dataclasses
-from functools import partialmethod
 
 import cv2
 import numpy as np
@@ -13,7 +12,6 @@ from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
-from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.light.known_light import KnownLightError
 from test.core.fusion.analytic_scene import (
@@ -40,13 +38,12 @@ def scanner():
     return scanner
 
 
-def test_counts_are_the_whole_scans_where_the_snapshot_is_a_part_of_it(scanner, monkeypatch):
+def test_counts_are_the_whole_scans_where_the_snapshot_is_a_part_of_it(scanner):
     whole = scanner.estimate(scanner.snapshot())
     assert whole.voxel_count == scanner.scan.store.observed_count
     assert whole.observation_count == scanner.scan.observation_count
     assert whole.view_count == scanner.scan.view_count
-    monkeypatch.setattr(Scan, "snapshot", partialmethod(Scan.snapshot, most_voxels=100))
-    part = scanner.snapshot()
+    part = scanner.snapshot(most_voxels=100)
     assert part.surface.voxel_count == 100 < whole.voxel_count
     estimate = scanner.estimate(part)
     assert estimate.voxel_count == whole.voxel_count
