@@ -33,7 +33,10 @@ try:
     from reflest_core.training.data.sample_file import read_samples
 except ImportError:
     from reflest_core.training.sample_file import read_samples
-from reflest_core.evaluation.quick_set import QUICK_SET
+try:
+    from reflest_core.evaluation.quick_check import QUICK_SET
+except ImportError:
+    from reflest_core.evaluation.quick_set import QUICK_SET
 samples = read_samples(QUICK_SET)
 samples = samples[0] if isinstance(samples, tuple) else samples
 found = {}
