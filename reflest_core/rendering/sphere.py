@@ -11,7 +11,8 @@ from reflest_core.brdf.parameters import WardParameters
 from reflest_core.brdf.sampling import sample_specular, specular_weight
 from reflest_core.brdf.srgb import encode
 from reflest_core.brdf.ward import evaluate
-from reflest_core.rendering.environments import irradiance, look_up
+from reflest_core.light.equirectangular import nearest_radiance
+from reflest_core.rendering.environments import irradiance
 
 TOWARDS_CAMERA = np.array([0.0, -1.0, 0.0])
 SAMPLES = 12
@@ -41,10 +42,10 @@ def render_environment(
         some = slice(first, first + PIXELS_AT_ONCE)
         mirrored = sample_specular(parameters.alpha, omega_o[some], _strata(shifts[some]))
         weights = specular_weight(parameters.rho_s, mirrored, omega_o[some], parameters.variant)
-        arriving = look_up(environment, np.einsum("pji,psj->psi", frames[some], mirrored))
+        arriving = nearest_radiance(environment, np.einsum("pji,psj->psi", frames[some], mirrored))
         radiance[some] += (weights[..., None] * arriving).mean(axis=1)
 
-    image = look_up(environment, _background_directions(size))
+    image = nearest_radiance(environment, _background_directions(size))
     image[on_sphere] = radiance
     return image
 

@@ -18,7 +18,8 @@ from reflest_core.brdf import srgb
 from reflest_core.brdf.sampling import sample_specular, specular_weight
 from reflest_core.brdf.ward import evaluate
 from reflest_core.evaluation.pictures.bumpy import Shape
-from reflest_core.rendering.environments import irradiance, look_up
+from reflest_core.light.equirectangular import nearest_radiance
+from reflest_core.rendering.environments import irradiance
 from reflest_core.synbrdf.scenes.exposure import auto_exposure
 
 ALPHAS = np.geomspace(0.001, 0.5, 32)
@@ -78,7 +79,7 @@ class EnvironmentSwatch:
         Args:
             shape: What is rendered.
             light: The environment's name.
-            radiance: (H, 2 H, 3) linear, as :func:`~.rendering.environments.look_up` reads it.
+            radiance: (H, 2 H, 3) linear, see :mod:`reflest_core.light.equirectangular`.
         """
         frames = _local_frames(shape.normals)
         omega_o = np.einsum("pij,j->pi", frames, TOWARDS_CAMERA)[:, None]
@@ -89,7 +90,7 @@ class EnvironmentSwatch:
         for step, alpha in enumerate(ALPHAS):
             mirrored = sample_specular(alpha, omega_o, corners + shifts)
             weights = specular_weight(1.0, mirrored, omega_o)
-            arriving = look_up(radiance, np.einsum("pji,psj->psi", frames, mirrored))
+            arriving = nearest_radiance(radiance, np.einsum("pji,psj->psi", frames, mirrored))
             glossy[step] = (weights[..., None] * arriving).mean(axis=1)
         diffuse = irradiance(radiance, shape.normals) / math.pi
         return EnvironmentSwatch(shape, light, diffuse, glossy, auto_exposure(radiance))

@@ -128,7 +128,7 @@ class _Problem:
         self.mean = torch.from_numpy(statistics.mean).float()
         self.stddev = torch.from_numpy(statistics.stddev).float()
         polar = (torch.arange(ROWS) + 0.5) * math.pi / ROWS
-        azimuth = (torch.arange(COLUMNS) + 0.5) * 2 * math.pi / COLUMNS - math.pi
+        azimuth = (0.5 - (torch.arange(COLUMNS) + 0.5) / COLUMNS) * 2 * math.pi
         theta, phi = torch.meshgrid(polar, azimuth, indexing="ij")
         directions = torch.stack(
             [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()], dim=-1
@@ -184,9 +184,9 @@ def _ward(material: Tensor) -> Tensor:
 
 
 def _look_up(light: Tensor, directions: Tensor) -> Tensor:
-    """Bilinear radiance (P, S, 3) of a lat-long map (ROWS, COLUMNS, 3)."""
+    """Bilinear radiance (P, S, 3) of an equirectangular map (ROWS, COLUMNS, 3)."""
     padded = torch.cat([light[:, -1:], light, light[:, :1]], dim=1).permute(2, 0, 1)[None]
-    azimuth = torch.atan2(directions[..., 1], directions[..., 0])
+    azimuth = -torch.atan2(directions[..., 1], directions[..., 0])
     polar = torch.acos(directions[..., 2].clamp(-0.9999, 0.9999))
     grid = torch.stack([azimuth / math.pi * COLUMNS / (COLUMNS + 2), polar * 2 / math.pi - 1], -1)
     found = torch.nn.functional.grid_sample(
