@@ -7,7 +7,7 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass
 
-PARAMETERS = ("rho_d r", "rho_d g", "rho_d b", "rho_s", "alpha")
+PARAMETERS = ("rho_d_r", "rho_d_g", "rho_d_b", "rho_s", "alpha")
 """Names of the values of a Ward vector (..., 5), in order."""
 
 RHO_D = slice(0, 3)

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf import srgb
+from reflest_core.brdf.models import Ward
+from reflest_core.brdf.parameters import ALPHA, RHO_D, RHO_S
 from reflest_core.brdf.sampling import sample_specular, specular_weight
-from reflest_core.brdf.ward import evaluate
 from reflest_core.evaluation.pictures.bumpy import Shape
 from reflest_core.light.equirectangular import nearest_radiance
 from reflest_core.rendering.environments import irradiance
@@ -104,11 +105,11 @@ class EnvironmentSwatch:
         Returns:
             (SIZE, SIZE, 3) float64 sRGB in [0, 1]; black beside the shape.
         """
-        place = np.interp(np.log(ward[4]), np.log(ALPHAS), np.arange(len(ALPHAS)))
+        place = np.interp(np.log(ward[ALPHA]), np.log(ALPHAS), np.arange(len(ALPHAS)))
         low = min(int(place), len(ALPHAS) - 2)
         share = place - low
         glossy = (1 - share) * self.glossy[low] + share * self.glossy[low + 1]
-        radiance = ward[:3] * self.diffuse + ward[3] * glossy
+        radiance = ward[RHO_D] * self.diffuse + ward[RHO_S] * glossy
         return _picture(self.shape, radiance * self.exposure)
 
 
@@ -152,7 +153,7 @@ class PointLightSwatch:
         Returns:
             (SIZE, SIZE, 3) float64 sRGB in [0, 1]; black beside the shape.
         """
-        value = evaluate(ward[:3], ward[3], ward[4], self.omega_i, self.omega_o)
+        value = Ward().evaluate(ward, self.omega_i, self.omega_o)
         cosine = np.clip(self.omega_i[:, 2:], 0, None)
         return _picture(self.shape, WHITE_POINT * math.pi * value * cosine)
 

@@ -18,6 +18,7 @@ import torch
 from numpy.typing import NDArray
 
 from reflest_core.brdf import srgb
+from reflest_core.brdf.parameters import ALPHA, RHO_D, RHO_S
 from reflest_core.brdf.sampling import sample_specular, specular_weight
 from reflest_core.models.normalisation import ParameterStatistics
 from reflest_core.surface.observed_surface import ObservedSurface
@@ -169,10 +170,10 @@ class _Problem:
 
     def _radiance(self, ward: Tensor, light: Tensor) -> Tensor:
         """(P, 3) linear radiance; distant light, no shadows."""
-        matt = ward[:3] * (self.diffuse @ light.view(-1, 3))
+        matt = ward[RHO_D] * (self.diffuse @ light.view(-1, 3))
         omega_o = self.view.omega_o[:, None]
-        omega_i = sample_specular(ward[4], omega_o, self.strata)
-        weight = specular_weight(ward[3], omega_i, omega_o)
+        omega_i = sample_specular(ward[ALPHA], omega_o, self.strata)
+        weight = specular_weight(ward[RHO_S], omega_i, omega_o)
         world = torch.einsum("pji,psj->psi", self.view.frames, omega_i)
         glossy = (weight[..., None] * _look_up(light, world)).mean(dim=1)
         radiance: Tensor = matt + glossy
