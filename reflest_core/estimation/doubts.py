@@ -20,14 +20,15 @@ class Evidence:
 
     ``voxels``: how many the network looked at, ``wanted_voxels``: how many it expects.
     ``coverage``: share of view directions seen. ``light``: None where the network does not look at
-    it. ``rho_s``: as estimated. ``light_problem``: why light known before was not used, or "".
+    it. ``gloss_problem``: why ``alpha`` cannot be told, as a clause, or "". ``light_problem``: why
+    light known before was not used, or "".
     """
 
     voxels: int
     wanted_voxels: int
     coverage: float
     light: LightKnowledge | None
-    rho_s: float
+    gloss_problem: str = ""
     light_problem: str = ""
 
 
@@ -52,11 +53,10 @@ def doubts(evidence: Evidence, settings: EstimationSettings) -> Iterator[Doubt]:
         yield EstimateStatus.LOW_LIGHT, evidence.light_problem
     if evidence.light is not None:
         yield from _of_light(evidence.light, settings)
-    if evidence.rho_s < settings.low_gloss:
+    if evidence.gloss_problem:
         yield (
             EstimateStatus.UNCERTAIN_GLOSS,
-            f"rho_s is {evidence.rho_s:.3f}, below {settings.low_gloss:g}: the surface is so matt "
-            "that alpha cannot be told",
+            f"alpha cannot be told: {evidence.gloss_problem}",
         )
 
 

@@ -18,13 +18,16 @@ from reflest_core.estimation.doubts import Evidence, doubts
 from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
 from reflest_core.estimation.material_map import MOST_MATERIALS, MaterialEstimate, MaterialMap
 from reflest_core.estimation.settings import EstimationSettings
-from reflest_core.inference.light import infer_light, seen_light
+from reflest_core.inference.gloss.network_update import with_posterior
+from reflest_core.inference.gloss.posterior import GlossPosterior, gloss_posterior
+from reflest_core.inference.gloss.rated_surface import RatedSurface
+from reflest_core.inference.light import SceneLight, infer_light, seen_light
 from reflest_core.inference.material import explain_material
 from reflest_core.models.predictor import Prediction, Predictor
 from reflest_core.surface.coverage import hemisphere_coverage
 from reflest_core.surface.extent import voxel_extent
 from reflest_core.surface.observed_surface import ObservedSurface
-from reflest_core.surface.partition import Partition
+from reflest_core.surface.partition import WHOLE, Partition
 from reflest_core.surface.upright import upright
 
 
@@ -57,8 +60,13 @@ class Estimator:
         """
         self._check_voxels(surface)
         surface = upright(surface, self.settings.up)
-        prediction = self.predictor.predict(surface)
-        return self._published(surface, prediction, stamp_ns, frame_id, light_problem)
+        if not self.predictor.sees_light:
+            prediction = self.predictor.predict(surface)
+            return self._published(surface, prediction, None, stamp_ns, frame_id, light_problem)
+        light = infer_light(surface, seen_light(surface))
+        prediction = self.predictor.predict(surface, explain_material(light, WHOLE))
+        gloss = self._gloss(surface, light, [np.arange(surface.voxel_count)])
+        return self._published(surface, prediction, gloss, stamp_ns, frame_id, light_problem)
 
     def materials(
         self,
@@ -83,16 +91,21 @@ class Estimator:
         """
         self._check_voxels(surface)
         turned = upright(surface, self.settings.up)
-        light = None
+        light, rated = None, None
         if self.predictor.sees_light:
             light = infer_light(turned, seen_light(turned), partition)
+            rated = RatedSurface.of(turned, light.filled)
+        ids = partition.ids_of(turned.voxel_keys)
         materials = []
         for material_id, part in partition.parts(turned):
             if int((part.observation_counts > 0).sum()) < self.settings.min_voxels:
                 continue
-            found = None if light is None else explain_material(light, material_id)
+            found, gloss = None, None
+            if light is not None:
+                found = explain_material(light, material_id)
+                gloss = self._gloss(turned, light, [np.flatnonzero(ids == material_id)], rated)
             prediction = self.predictor.predict(part, found)
-            estimate = self._published(part, prediction, stamp_ns, frame_id, light_problem)
+            estimate = self._published(part, prediction, gloss, stamp_ns, frame_id, light_problem)
             materials.append(self._material(material_id, surface, partition, estimate))
         materials.sort(key=lambda material: (-material.area, material.id))
         rho_d, stddev = _albedo_of_voxels(surface, partition, materials)
@@ -106,6 +119,16 @@ class Estimator:
             stddev,
             light,
         )
+
+    def _gloss(
+        self,
+        surface: ObservedSurface,
+        light: SceneLight,
+        segments: list[NDArray[np.int64]],
+        rated: RatedSurface | None = None,
+    ) -> GlossPosterior:
+        least_gain = self.settings.gloss_information
+        return gloss_posterior(surface, light.filled, segments, rated, least_gain=least_gain)
 
     def _check_voxels(self, surface: ObservedSurface) -> None:
         observed = int((surface.observation_counts > 0).sum())
@@ -135,11 +158,14 @@ class Estimator:
         self,
         surface: ObservedSurface,
         prediction: Prediction,
+        gloss: GlossPosterior | None,
         stamp_ns: int,
         frame_id: str,
         light_problem: str,
     ) -> BrdfEstimate:
-        ward = physical_ward(prediction.ward)
+        ward, stddev = physical_ward(prediction.ward), prediction.stddev
+        if gloss is not None and stddev is not None:
+            ward, stddev = with_posterior(ward, stddev, gloss)
         red, green, blue, rho_s, alpha = ward.tolist()
         lightness, a, b, c, d = ward_to_labcd(ward).tolist()
         coverage = hemisphere_coverage(surface, prediction.voxels)
@@ -148,7 +174,7 @@ class Estimator:
             self.predictor.voxels,
             coverage,
             prediction.light,
-            rho_s,
+            "" if gloss is None else gloss.reason,
             light_problem,
         )
         found = list(doubts(evidence, self.settings))
@@ -170,7 +196,7 @@ class Estimator:
             coverage=coverage,
             status=found[0][0] if found else EstimateStatus.OK,
             status_text="; ".join(sentence for _, sentence in found),
-            **self._deviations(ward, prediction.stddev),
+            **self._deviations(ward, stddev),
         )
 
     def _deviations(

@@ -62,8 +62,12 @@ class EstimationSettings:
         minimum=0.0,
         maximum=1.0,
     )
-    low_gloss: float = parameter(
-        0.02, "Below this rho_s an estimate is marked UNCERTAIN_GLOSS.", minimum=0.0, maximum=1.0
+    gloss_information: float = parameter(
+        40.0,
+        "With less log-likelihood over that of a matte surface lightnet's alpha cannot be told "
+        "from highlights, and an estimate is marked UNCERTAIN_GLOSS.",
+        minimum=0.0,
+        maximum=1e6,
     )
 
     def __post_init__(self) -> None:

@@ -41,7 +41,7 @@ def complete(light: ObservedLight) -> LightPyramid:
     filled = np.broadcast_to(coarsest[..., :3].sum(axis=(0, 1)) / total, (*coarsest.shape[:2], 3))
     for level in reversed(pulled):
         if len(level) > len(filled):
-            filled = _smoothed(np.repeat(np.repeat(filled, 2, axis=0), 2, axis=1))
+            filled = smoothed(np.repeat(np.repeat(filled, 2, axis=0), 2, axis=1))
         trust = np.minimum(level[..., 3:] / TRUSTED_SHARE, 1.0)
         seen = level[..., :3] / np.maximum(level[..., 3:], 1e-9)
         filled = trust * seen + (1.0 - trust) * filled
@@ -83,7 +83,7 @@ def _sum_of_fours(image: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.asarray(rows[:, 0::2] + rows[:, 1::2])
 
 
-def _smoothed(image: NDArray[np.float32]) -> NDArray[np.float32]:
+def smoothed(image: NDArray[np.float32]) -> NDArray[np.float32]:
     """A binomial filter of width 3 along both edges of the map."""
     padded = np.pad(image, ((1, 1), (1, 1), (0, 0)), mode="edge")
     rows = 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]

@@ -9,9 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.brdf.parameters import PARAMETERS
-
-WARD_NAMES = PARAMETERS
+WARD_NAMES = ("rho_d_r", "rho_d_g", "rho_d_b", "rho_s", "alpha")
 LABCD_NAMES = ("L", "a", "b", "c", "d")
 
 

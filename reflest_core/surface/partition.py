@@ -60,11 +60,7 @@ class Partition:
 
     @staticmethod
     def whole(surface: ObservedSurface) -> Partition:
-        """Take all voxels of a surface for one material, :data:`WHOLE`.
-
-        Args:
-            surface: V voxels.
-        """
+        """Take all voxels of a surface for one material, :data:`WHOLE`."""
         return Partition.of(surface, np.full(surface.voxel_count, WHOLE, np.uint32))
 
     @property

@@ -24,7 +24,7 @@ SURFACE = lit(sphere_surface(voxels=1000))
 
 @pytest.mark.parametrize("model", shipped_models())
 def test_an_estimate_is_physical_consistent_and_repeats_bit_for_bit(model):
-    settings = EstimationSettings(model=model, low_gloss=0.0)
+    settings = EstimationSettings(model=model)
     estimate, again = (Estimator(settings).estimate(SURFACE, 42, "camera") for _ in range(2))
     assert estimate.to_json() == again.to_json()
     assert max(estimate.rho_d) + estimate.rho_s <= 1 + 1e-9
@@ -74,7 +74,7 @@ def test_few_voxels_and_low_coverage_are_marked():
 
 
 def test_unknown_values_become_null_in_json():
-    settings = EstimationSettings(model="grouplet-fast", low_gloss=0.0)
+    settings = EstimationSettings(model="grouplet-fast")
     record = Estimator(settings).estimate(SURFACE, 5, "c").to_json()
     assert record["latency"] is None
     assert record["rho_d_stddev"] == [None, None, None]

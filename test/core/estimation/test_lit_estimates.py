@@ -29,7 +29,7 @@ def weights(tmp_path_factory):
 
 
 def estimate(surface, weights, **settings):
-    chosen = {"low_gloss": 0.0, **settings, "model": "lightnet", "weights": str(weights)}
+    chosen = {**settings, "model": "lightnet", "weights": str(weights)}
     return Estimator(EstimationSettings(**chosen)).estimate(surface, 0, "")
 
 
@@ -41,7 +41,8 @@ def test_every_value_has_a_deviation_and_all_repeats_bit_for_bit(weights):
     surface = lit(SURFACE)
     found, again = (estimate(surface, weights) for _ in range(2))
     assert found.to_json() == again.to_json()
-    assert (found.status, found.status_text) == (EstimateStatus.OK, "")
+    assert found.status is EstimateStatus.UNCERTAIN_GLOSS  # a sky without edges, few voxels
+    assert found.status_text.startswith("alpha cannot be told: ")
     assert found.model_id.startswith("lightnet/")
     assert (ward_stddev(found) > 0).all()
     ward = np.array([*found.rho_d, found.rho_s, found.alpha])

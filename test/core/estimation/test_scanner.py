@@ -66,7 +66,7 @@ CLOSE_UP = CameraIntrinsics(width=160, height=120, fx=900.0, fy=900.0, cx=79.5, 
 @pytest.mark.parametrize(("camera", "is_seen"), [(SMALL_CAMERA, True), (CLOSE_UP, False)])
 def test_the_background_is_the_light_that_lightnet_knows(camera, is_seen, tmp_path):
     weights = str(untrained_lightnet(tmp_path))
-    estimation = EstimationSettings("lightnet", weights, low_light=0.0, low_gloss=0.0)
+    estimation = EstimationSettings("lightnet", weights, low_light=0.0)
     scanner = Scanner(dataclasses.replace(SETTINGS, estimation=estimation))
     for view in range(6):
         scanner.fuse(render([OBJECT], look_at(orbit(view, 6)), view, camera))

@@ -1,0 +1,139 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The light in each observation's lobe, for roughnesses that differ from voxel to voxel.
+
+An uncertain normal blurs the mean highlight: a voxel whose normal deviates by ``sigma`` about each
+tangent axis reflects, in the mean, like one of roughness ``sqrt(alpha^2 + 2 sigma^2)``.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.inference.transport.mirrored_texels import mirrored_texels, vector
+from reflest_core.jit import compiled, kernel_array
+from reflest_core.light.completion import LightPyramid, halved
+from reflest_core.surface.tangent_frame import tangent_frame
+
+LEVELS = 4
+"""Of the light's pyramid that lobes look into."""
+RINGS, SECTORS = 6, 8
+"""Half vectors of a lobe, stratified over it."""
+SEEN, EXCESS = 3, 4
+"""Columns: the share of a lobe's light that was seen; the first of three of clipped light."""
+COLUMNS = 7
+
+
+def lobe_light(
+    light: LightPyramid,
+    normals: NDArray[np.float32],
+    voxel_of: NDArray[np.int64],
+    directions: NDArray[np.float32],
+    alphas: NDArray[np.float64],
+) -> NDArray[np.float32]:
+    """Gather the light in O observations' lobes, as :func:`.lobe_radiance` does.
+
+    Args:
+        light: The completed light.
+        normals: (V, 3) unit.
+        voxel_of: (O,) rising, each observation's voxel.
+        directions: (O, 3) unit, towards the camera.
+        alphas: (V, K) roughnesses of each voxel.
+
+    Returns:
+        (K, O, 7): The radiance reflected at ``rho_s = 1`` in three channels; the share of the lobe
+        that was seen; what clipped light adds to the radiance, in three channels, for each unit
+        that it is above white.
+    """
+    if len(directions) == 0:
+        return np.zeros((alphas.shape[1], 0, COLUMNS), np.float32)
+    levels, excess = [], light.excess
+    for level in light.levels[:LEVELS]:
+        levels.append(np.concatenate([level[..., :4], excess], axis=-1).reshape(-1, COLUMNS))
+        excess = halved(excess)
+    offsets = np.cumsum([0, *(len(level) for level in levels)])
+    return _gather(
+        np.concatenate(levels).astype(np.float32),
+        offsets,
+        len(light.levels[0]),
+        stratified_slopes(),
+        kernel_array(normals, np.float32),
+        kernel_array(voxel_of, np.int64),
+        kernel_array(directions, np.float32),
+        kernel_array(alphas, np.float64),
+    )
+
+
+def stratified_slopes(rings: int = RINGS, sectors: int = SECTORS) -> NDArray[np.float64]:
+    """Return (2, S): slopes of half vectors along two tangents, in units of alpha.
+
+    ``tan theta_h = alpha sqrt(-ln(1 - u))`` (Ward 1992), ``u`` stratified in ``rings``, azimuth in
+    ``sectors``, each ring turned against the next.
+    """
+    ring, sector = np.meshgrid(np.arange(rings), np.arange(sectors), indexing="ij")
+    turn = (2.0 * math.pi * (sector + 0.618 * ring) / sectors).ravel()
+    slope = np.sqrt(-np.log(1.0 - (ring.ravel() + 0.5) / rings))
+    return np.stack([slope * np.cos(turn), slope * np.sin(turn)])
+
+
+@compiled
+def _gather(
+    lights: NDArray[np.float32],
+    offsets: NDArray[np.int64],
+    edge: int,
+    slopes: NDArray[np.float64],
+    normals: NDArray[np.float32],
+    voxel_of: NDArray[np.int64],
+    directions: NDArray[np.float32],
+    alphas: NDArray[np.float64],
+) -> NDArray[np.float32]:
+    samples, roughnesses = slopes.shape[1], alphas.shape[1]
+    gathered = np.zeros((roughnesses, len(directions), COLUMNS), np.float32)
+    half_vectors = np.zeros((roughnesses, 3, samples), np.float32)
+    level_of = np.zeros(roughnesses, np.int64)
+    weights, texels = np.zeros(samples), np.zeros(samples, np.int32)
+    total = np.zeros(COLUMNS)
+    texel_width = math.sqrt(4.0 * math.pi) / edge
+    voxel = -1
+    frame, normal = tangent_frame(normals[0]), vector(normals, 0)
+    for observation in range(len(directions)):
+        if voxel_of[observation] != voxel:
+            voxel = voxel_of[observation]
+            frame, normal = tangent_frame(normals[voxel]), vector(normals, voxel)
+            for k in range(roughnesses):
+                alpha = alphas[voxel, k]
+                for s in range(samples):
+                    x, y = alpha * slopes[0, s], alpha * slopes[1, s]
+                    scale = 1.0 / math.sqrt(1.0 + x * x + y * y)
+                    half_vectors[k, 0, s] = x * scale
+                    half_vectors[k, 1, s] = y * scale
+                    half_vectors[k, 2, s] = scale
+                # Texels as wide as the samples' spacing about the mirrored direction.
+                spacing = 4.0 * alpha / math.sqrt(samples)
+                level = int(math.log2(max(spacing / texel_width, 1.0)) + 0.5)
+                level_of[k] = min(level, len(offsets) - 2)
+        towards_camera = vector(directions, observation)
+        for k in range(roughnesses):
+            level = level_of[k]
+            mirrored_texels(
+                frame,
+                normal,
+                towards_camera,
+                half_vectors[k],
+                edge >> level,
+                weights,
+                texels,
+            )
+            mass = 1e-9
+            total[:] = 0.0
+            for s in range(samples):
+                texel, weight = offsets[level] + texels[s], weights[s]
+                mass += weight
+                for i in range(COLUMNS):
+                    total[i] += weight * lights[texel, i]
+            for i in range(COLUMNS):
+                gathered[k, observation, i] = total[i] / (mass if i == SEEN else samples)
+    return gathered

@@ -1,0 +1,105 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""How far each voxel's normal may be off, judged by the normals around it.
+
+Fused normals err most where their neighbours disagree: at rims, in noise, in small detail. The
+spread of the neighbours' normals predicts a voxel's own error.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.jit import compiled, kernel_array
+
+RADIUS = 0.009
+"""Metres, within which voxels are neighbours."""
+LEAST, PER_SQUARE, MOST = 0.7, 0.008, 10.0
+"""Degrees, 1 / degrees and degrees: deviation = LEAST + PER_SQUARE * spread^2, at most MOST. Fitted
+to normals of fused scans with a depth camera's noise, against those of the scanned mesh."""
+
+
+def normal_deviations(
+    positions: NDArray[np.float32], normals: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Return the standard deviation of each voxel's normal about each tangent axis.
+
+    Args:
+        positions: (V, 3), metres.
+        normals: (V, 3), unit.
+
+    Returns:
+        (V,) radians; :data:`MOST` degrees where a voxel has no neighbour to judge it by.
+    """
+    spreads = np.degrees(normal_spreads(positions, normals))
+    deviations = np.minimum(LEAST + PER_SQUARE * spreads**2, MOST)
+    return np.radians(deviations).astype(np.float32)
+
+
+def normal_spreads(
+    positions: NDArray[np.float32], normals: NDArray[np.float32], radius: float = RADIUS
+) -> NDArray[np.float64]:
+    """Return the RMS angle between each voxel's normal and its neighbours'.
+
+    Args:
+        positions: (V, 3), metres.
+        normals: (V, 3), unit.
+        radius: Metres, within which voxels are neighbours.
+
+    Returns:
+        (V,) radians, pi where there is no neighbour.
+    """
+    if len(positions) == 0:
+        return np.zeros(0)
+    cells = np.floor((positions - positions.min(axis=0)) / np.float32(radius)).astype(np.int64) + 1
+    _, rows, columns = (cells.max(axis=0) + 2).tolist()
+    keys = (cells[:, 0] * rows + cells[:, 1]) * columns + cells[:, 2]
+    order = np.argsort(keys, kind="stable")
+    return _spreads(
+        kernel_array(positions[order], np.float32),
+        kernel_array(normals[order], np.float32),
+        keys[order],
+        order,
+        rows,
+        columns,
+        radius,
+    )
+
+
+@compiled
+def _spreads(
+    positions: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    keys: NDArray[np.int64],
+    order: NDArray[np.int64],
+    rows: int,
+    columns: int,
+    radius: float,
+) -> NDArray[np.float64]:
+    """Spreads (V,) in the original order; the other arrays are sorted by the ``keys`` of cells."""
+    spreads = np.full(len(keys), math.pi)
+    limit = radius * radius
+    for voxel in range(len(keys)):
+        total, count = 0.0, 0
+        for row in range(-1, 2):
+            for column in range(-1, 2):
+                middle = keys[voxel] + row * rows * columns + column * columns
+                other = np.searchsorted(keys, middle - 1)
+                while other < len(keys) and keys[other] <= middle + 1:
+                    x = positions[other, 0] - positions[voxel, 0]
+                    y = positions[other, 1] - positions[voxel, 1]
+                    z = positions[other, 2] - positions[voxel, 2]
+                    if other != voxel and x * x + y * y + z * z <= limit:
+                        total += 1.0 - (
+                            normals[other, 0] * normals[voxel, 0]
+                            + normals[other, 1] * normals[voxel, 1]
+                            + normals[other, 2] * normals[voxel, 2]
+                        )
+                        count += 1
+                    other += 1
+        if count > 0:
+            spreads[order[voxel]] = math.sqrt(max(2.0 * total / count, 0.0))
+    return spreads

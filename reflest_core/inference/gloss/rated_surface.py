@@ -1,0 +1,169 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The observations that hold most information about roughness.
+
+Highlights are rare: voxels spread evenly over a surface miss them. What an observation will say is
+known before it is looked at, from the light in its mirrored direction and from the quality of its
+normal. So the choice takes dark observations beside an expected highlight like the highlight
+itself, and it does not depend on the colours that are then explained.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.inference.gloss.colour_noise import HIGHLIGHT_ERROR, colour_variances
+from reflest_core.inference.gloss.light_bands import BANDS, light_bands
+from reflest_core.inference.gloss.mirrored_rays import (
+    START,
+    STEP,
+    OccupiedCells,
+    leaves_object,
+)
+from reflest_core.inference.gloss.normal_quality import normal_deviations
+from reflest_core.jit import compiled, kernel_array
+from reflest_core.light.completion import LightPyramid
+from reflest_core.light.octahedral import octahedral_texel
+from reflest_core.surface.observed_surface import ObservedSurface
+
+STEEPEST = 0.3
+"""Cosine between normal and view, below which an observation is not used."""
+FEWEST_OBSERVATIONS = 4
+"""Of a voxel that is chosen."""
+GOOD_NORMAL = math.radians(3.0)
+"""Standard deviation of a normal, up to which a voxel is chosen."""
+FEWEST_GOOD, FAIR_NORMAL = 200, math.radians(6.0)
+"""With fewer voxels of good normals, so many of fair normals are taken."""
+CHOSEN = 300
+"""Voxels whose observations are explained."""
+USUAL_GLOSS = 0.05
+"""``rho_s`` for which information is predicted."""
+
+
+@dataclass(frozen=True)
+class RatedSurface:
+    """What every voxel may say about roughness, before its colours are explained.
+
+    Attributes:
+        deviations: (V,) of normals about each tangent axis, radians.
+        is_usable: (O,) observations from above whose mirrored ray leaves the object.
+        counts: (V,) usable observations.
+        information: (V,) predicted Fisher information about ``ln alpha`` at a usual ``rho_s``.
+    """
+
+    deviations: NDArray[np.float32]
+    is_usable: NDArray[np.bool_]
+    counts: NDArray[np.int64]
+    information: NDArray[np.float64]
+
+    @staticmethod
+    def of(surface: ObservedSurface, light: LightPyramid) -> RatedSurface:
+        """Rate all voxels of ``surface`` under ``light``, the completed light."""
+        deviations = normal_deviations(surface.positions, surface.normals)
+        occupied = OccupiedCells.of(surface.positions)
+        is_usable, counts, information = _rate(
+            kernel_array(surface.positions, np.float32),
+            kernel_array(surface.normals, np.float32),
+            surface.offsets,
+            surface.view_indices,
+            surface.view_centres,
+            surface.colours,
+            colour_variances(),
+            deviations <= _normal_limit(deviations),
+            occupied.cells,
+            occupied.origin,
+            occupied.size,
+            light_bands(light),
+            len(light.levels[0]),
+        )
+        return RatedSurface(deviations, is_usable, counts, information)
+
+    def choose(self, voxels: NDArray[np.int64], most: int = CHOSEN) -> NDArray[np.int64]:
+        """Return at most ``most`` of ``voxels`` (N,), rising, by predicted information.
+
+        The choice does not depend on the order of ``voxels``.
+        """
+        candidates = np.sort(voxels)
+        candidates = candidates[self.counts[candidates] >= FEWEST_OBSERVATIONS]
+        candidates = candidates[self.information[candidates] > 0.0]
+        order = np.argsort(-self.information[candidates], kind="stable")
+        return np.sort(candidates[order[:most]])
+
+
+def _normal_limit(deviations: NDArray[np.float32]) -> float:
+    """The largest deviation of a normal with which a voxel is chosen."""
+    fewest = min(FEWEST_GOOD, len(deviations)) - 1
+    if fewest < 0:
+        return GOOD_NORMAL
+    return max(GOOD_NORMAL, min(float(np.partition(deviations, fewest)[fewest]), FAIR_NORMAL))
+
+
+@compiled
+def _rate(
+    positions: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    offsets: NDArray[np.int64],
+    view_indices: NDArray[np.uint16],
+    view_centres: NDArray[np.float32],
+    colours: NDArray[np.uint8],
+    variances: NDArray[np.float64],
+    is_candidate: NDArray[np.bool_],
+    cells: NDArray[np.bool_],
+    origin: NDArray[np.float64],
+    cell_size: float,
+    bands: NDArray[np.float32],
+    edge: int,
+) -> tuple[NDArray[np.bool_], NDArray[np.int64], NDArray[np.float64]]:
+    """``is_usable`` (O,), ``counts`` (V,) and ``information`` (V,) of :class:`RatedSurface`."""
+    voxels, channels = len(positions), 3 * BANDS
+    is_usable = np.zeros(len(view_indices), np.bool_)
+    counts, information = np.zeros(voxels, np.int64), np.zeros(voxels)
+    mass, first, second = np.zeros(channels), np.zeros(channels), np.zeros(channels)
+    for voxel in range(voxels):
+        if not is_candidate[voxel]:
+            continue
+        mass[:], first[:], second[:] = 0.0, 0.0, 0.0
+        nx, ny, nz = normals[voxel, 0], normals[voxel, 1], normals[voxel, 2]
+        px, py, pz = positions[voxel, 0], positions[voxel, 1], positions[voxel, 2]
+        start_x = (px - origin[0]) / cell_size + START * nx
+        start_y = (py - origin[1]) / cell_size + START * ny
+        start_z = (pz - origin[2]) / cell_size + START * nz
+        for o in range(offsets[voxel], offsets[voxel + 1]):
+            view = view_indices[o]
+            dx, dy, dz = (
+                view_centres[view, 0] - px,
+                view_centres[view, 1] - py,
+                view_centres[view, 2] - pz,
+            )
+            length = math.sqrt(dx * dx + dy * dy + dz * dz)
+            cosine = (dx * nx + dy * ny + dz * nz) / length
+            if not cosine > STEEPEST:
+                continue
+            mx = 2.0 * cosine * nx - dx / length
+            my = 2.0 * cosine * ny - dy / length
+            mz = 2.0 * cosine * nz - dz / length
+            if not leaves_object(cells, start_x, start_y, start_z, STEP * mx, STEP * my, STEP * mz):
+                continue
+            is_usable[o] = True
+            counts[voxel] += 1
+            row, column = octahedral_texel(mx, my, mz, edge)
+            texel = row * edge + column
+            trust = bands[texel, channels]
+            for i in range(channels):
+                colour = colours[o, i % 3]
+                if colour == 255 and bands[texel, i] > 0.0:
+                    continue
+                slope = USUAL_GLOSS * bands[texel, i]
+                weight = trust / (variances[colour] + (HIGHLIGHT_ERROR * slope) ** 2)
+                mass[i] += weight
+                first[i] += weight * slope
+                second[i] += weight * slope * slope
+        if counts[voxel] >= FEWEST_OBSERVATIONS:
+            for i in range(channels):
+                if mass[i] > 0.0:
+                    information[voxel] += second[i] - first[i] * first[i] / mass[i]
+    return is_usable, counts, information
