@@ -183,9 +183,23 @@ class Scanner:
             raise ArgumentRefused(f"{path} ends in no known suffix: {known}")
 
     def save(self, path: Path | str) -> None:
-        """Write the scan to a file that :meth:`load` and ``reflest export`` read."""
+        """Write the scan to a file that :meth:`load` and ``reflest export`` read.
+
+        Args:
+            path: it is replaced if it exists.
+
+        Raises:
+            ReflestError: The file cannot be written.
+        """
         self._pipeline.save(Path(path))
 
     def load(self, path: Path | str) -> None:
-        """Go on from a saved scan; this one stays as it was if that fails."""
+        """Go on from a saved scan; this one stays as it was if that fails.
+
+        Args:
+            path: a scan file.
+
+        Raises:
+            ReflestError: The file is no scan or is damaged.
+        """
         self._pipeline.load(Path(path))

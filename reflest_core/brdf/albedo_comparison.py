@@ -11,9 +11,9 @@ import math
 
 import numpy as np
 
-from reflest_core.brdf.albedo import specular_albedo
-from reflest_core.brdf.ggx import Array, ggx_alpha, ggx_lobe
+from reflest_core.brdf.ggx import ggx_alpha, ggx_density, ggx_lobe, sample_ggx
 from reflest_core.brdf.parameters import WardVariant
+from reflest_core.brdf.sampling import specular_albedo, strata
 
 ALPHAS = (0.02, 0.1, 0.2)
 ANGLES = (0.0, 45.0, 60.0, 75.0)
@@ -22,29 +22,24 @@ TYPICAL_F0 = 0.1
 
 
 def ggx_albedo(alpha: float, theta_o: float, f0: float = 1.0, f90: float = 1.0) -> float:
-    """Share of light from above that a GGX lobe sends towards ``theta_o`` (radians).
+    """Integrate a GGX lobe over light that comes from everywhere above.
 
-    ``f0``, ``f90``: Schlick's Fresnel term at normal incidence and at the horizon. Half vectors
-    are drawn in proportion to ``D cos theta_h`` (Walter et al. 2007), on regular strata.
+    Args:
+        alpha: GGX width.
+        theta_o: Angle between normal and camera, radians.
+        f0: Schlick's Fresnel term at normal incidence.
+        f90: The same at the horizon.
+
+    Returns:
+        The reflected share.
     """
-    middle = (np.arange(STRATA) + 0.5) / STRATA
-    share, turn = np.meshgrid(middle, 2 * math.pi * middle, indexing="ij")
-    tangent = alpha * np.sqrt(share / (1 - share))
-    cos_h = 1 / np.sqrt(1 + tangent**2)
-    sin_h = tangent * cos_h
-    half = np.stack([sin_h * np.cos(turn), sin_h * np.sin(turn), cos_h], axis=-1)
     omega_o = np.array([math.sin(theta_o), 0.0, math.cos(theta_o)])
-    half_dot_o = half @ omega_o
-    omega_i = 2 * half_dot_o[..., None] * half - omega_o
-    density = _distribution(alpha, tangent, cos_h) * cos_h / (4 * np.abs(half_dot_o))
+    omega_i = sample_ggx(alpha, omega_o, strata(STRATA))
+    half_dot_o = np.linalg.norm(omega_i + omega_o, axis=-1) / 2
     fresnel = f0 + (f90 - f0) * np.clip(1 - half_dot_o, 0, 1) ** 5
     reflected = ggx_lobe(alpha, omega_i, np.broadcast_to(omega_o, omega_i.shape)) * fresnel
+    density = ggx_density(alpha, omega_i, omega_o)
     return float(np.mean(reflected * np.clip(omega_i[..., 2], 0, None) / density))
-
-
-def _distribution(alpha: float, tangent: Array, cos_h: Array) -> Array:
-    value: Array = alpha**2 / (math.pi * cos_h**4 * (alpha**2 + tangent**2) ** 2)
-    return value
 
 
 def main() -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.gloss import ward_to_labcd
-from reflest_core.brdf.parameters import SMALLEST_ALPHA
+from reflest_core.brdf.parameters import ALPHA, PARAMETERS, SMALLEST_ALPHA
 
 NODES = 3
 """Of Gauss-Hermite quadrature along each of the five axes: exact for polynomials of degree 5."""
@@ -23,19 +23,25 @@ def labcd_stddev(
     stddev: NDArray[np.float64],
     correlation: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64]:
-    """(5,) standard deviations of ``L, a, b, c, d`` of a Ward BRDF that is known to ``stddev``.
+    """Propagate the standard deviations of a Ward BRDF to Lab and gloss.
 
-    ``ward``, ``stddev``: (5,) ``rho_d`` (3), ``rho_s``, ``alpha`` and their standard deviations.
-    ``correlation``: (5, 5) of their errors; none unless given. The errors are taken to be normal,
-    and values beyond the physical ranges to be at their ends. By quadrature, for Lab and ``c`` bend
-    too sharply near black for a tangent.
+    The errors are taken to be normal, and values beyond the physical ranges to be at their ends.
+    By quadrature, for Lab and ``c`` bend too sharply near black for a tangent.
+
+    Args:
+        ward: (5,) Ward vector.
+        stddev: (5,) standard deviations of its values.
+        correlation: (5, 5) of their errors; none unless given.
+
+    Returns:
+        (5,) standard deviations of ``L, a, b, c, d``.
     """
     points, weights = _quadrature()
     if correlation is not None:
         points = points @ _square_root(correlation).T
     drawn = ward + points * stddev
-    drawn[:, :4] = np.clip(drawn[:, :4], 0.0, 1.0)
-    drawn[:, 4] = np.maximum(drawn[:, 4], SMALLEST_ALPHA)
+    drawn[:, :ALPHA] = np.clip(drawn[:, :ALPHA], 0.0, 1.0)
+    drawn[:, ALPHA] = np.maximum(drawn[:, ALPHA], SMALLEST_ALPHA)
     labcd = ward_to_labcd(drawn)
     variances: NDArray[np.float64] = weights @ (labcd - weights @ labcd) ** 2
     return np.sqrt(variances)
@@ -47,8 +53,8 @@ def _quadrature() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     nodes, weights = np.polynomial.hermite_e.hermegauss(NODES)
     weights = weights / math.sqrt(2.0 * math.pi)
     return (
-        np.array(list(itertools.product(nodes, repeat=5))),
-        np.array([math.prod(some) for some in itertools.product(weights, repeat=5)]),
+        np.array(list(itertools.product(nodes, repeat=len(PARAMETERS)))),
+        np.array([math.prod(some) for some in itertools.product(weights, repeat=len(PARAMETERS))]),
     )
 
 

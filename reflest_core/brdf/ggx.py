@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The microfacet lobe of glTF and UsdPreviewSurface, and the roughness that stands for Ward's.
 
-Both formats shade with Trowbridge-Reitz (GGX) facets and Smith's masking; neither knows Ward.
+Trowbridge-Reitz (GGX) facets with Smith's masking; asset formats shade with it, and not with Ward.
 """
 
 from __future__ import annotations
@@ -47,24 +47,37 @@ ALPHA_RATIO: dict[WardVariant, tuple[float, ...]] = {
         0.6643,
     ),
 }
-"""``alpha_ggx / alpha_ward``; ``python -m reflest_core.brdf.ggx_fit`` computes it anew."""
+"""``alpha_ggx / alpha_ward``; ``python -m reflest_core.brdf.ggx_fit`` computes it."""
 
 
 def ggx_alpha(alpha: float, variant: WardVariant) -> float:
-    """GGX width in (0, 1] of the lobe nearest to Ward's of width ``alpha`` > 0.
+    """Convert a Ward roughness to the width of the nearest GGX lobe.
 
-    Nearest: :func:`reflest_core.brdf.ggx_fit.fit_ggx_alpha`, interpolated between knots. A GGX
-    lobe has a longer tail, so the nearest one is narrower. Above ``alpha`` = 1 the last ratio
-    holds.
+    Nearest is what :func:`reflest_core.brdf.ggx_fit.fit_ggx_alpha` finds, interpolated between
+    knots. A GGX lobe has a longer tail, so the nearest one is narrower. Above ``alpha`` = 1 the
+    last ratio holds.
+
+    Args:
+        alpha: Ward's roughness, above 0.
+        variant: The specular normalisation of the Ward lobe.
+
+    Returns:
+        GGX width in (0, 1].
     """
     ratio = float(np.interp(alpha, RATIO_KNOTS, ALPHA_RATIO[variant]))
     return min(alpha * ratio, 1.0)
 
 
 def ggx_lobe(alpha: float, omega_i: Array, omega_o: Array) -> Array:
-    """Specular BRDF (...), 1/sr, of unit reflectance: ``D V`` of glTF 2.0, Appendix B.3.2.
+    """Evaluate a lobe of unit reflectance: ``D V`` of glTF 2.0, Appendix B.3.2.
 
-    ``omega_i``, ``omega_o``: (..., 3) unit vectors in the local frame; 0 below the surface.
+    Args:
+        alpha: GGX width.
+        omega_i: (..., 3) unit directions of incidence, local frame.
+        omega_o: (..., 3) unit directions to the camera, local frame.
+
+    Returns:
+        (...) in 1/sr; 0 below the surface.
     """
     cos_i, cos_o = omega_i[..., 2], omega_o[..., 2]
     above = (cos_i > 0) & (cos_o > 0)
@@ -79,4 +92,46 @@ def ggx_lobe(alpha: float, omega_i: Array, omega_o: Array) -> Array:
     masking_i = cos_o * np.sqrt(square + (1 - square) * cos_i**2)
     masking_o = cos_i * np.sqrt(square + (1 - square) * cos_o**2)
     value: Array = np.where(above, distribution / (2 * (masking_i + masking_o)), 0.0)
+    return value
+
+
+def sample_ggx(alpha: float, omega_o: Array, u: Array) -> Array:
+    """Draw directions of incidence by half vectors in proportion to ``D cos theta_h``.
+
+    Source: Walter et al. 2007, Eq. 35. A direction may fall below the surface.
+
+    Args:
+        alpha: GGX width.
+        omega_o: (..., 3) unit directions to the camera, local frame.
+        u: (..., 2) uniform in [0, 1).
+
+    Returns:
+        (..., 3) unit directions.
+    """
+    share, turn = u[..., 0], 2 * math.pi * u[..., 1]
+    tangent = alpha * np.sqrt(share / (1 - share))
+    cos_h = 1 / np.sqrt(1 + tangent**2)
+    sin_h = tangent * cos_h
+    half = np.stack([sin_h * np.cos(turn), sin_h * np.sin(turn), cos_h], axis=-1)
+    mirrored: Array = 2 * np.sum(half * omega_o, axis=-1)[..., None] * half - omega_o
+    return mirrored
+
+
+def ggx_density(alpha: float, omega_i: Array, omega_o: Array) -> Array:
+    """Density of :func:`sample_ggx`.
+
+    Args:
+        alpha: GGX width.
+        omega_i: (..., 3) unit directions of incidence, local frame.
+        omega_o: (..., 3) unit directions to the camera, local frame.
+
+    Returns:
+        (...) per steradian of ``omega_i``.
+    """
+    half = omega_i + omega_o
+    length = np.linalg.norm(half, axis=-1)
+    cos_h = half[..., 2] / length
+    tan_squared = 1 / cos_h**2 - 1
+    distribution = alpha**2 / (math.pi * cos_h**4 * (alpha**2 + tan_squared) ** 2)
+    value: Array = distribution * np.abs(cos_h) / (2 * length)
     return value

@@ -25,17 +25,29 @@ SMALLEST_ALPHA = 0.001
 
 @dataclass(frozen=True)
 class LobeFit:
-    """``alpha``: of the GGX lobe. ``residual``: its RMS difference over the RMS of Ward's lobe."""
+    """The GGX lobe that is nearest to a Ward lobe.
+
+    Attributes:
+        alpha: Width of the GGX lobe.
+        residual: Its RMS difference over the RMS of Ward's lobe.
+    """
 
     alpha: float
     residual: float
 
 
 def fit_ggx_alpha(alpha: float, variant: WardVariant) -> LobeFit:
-    """The GGX lobe of the same reflectance with the least cosine-weighted RMS difference.
+    """Find the GGX lobe of the same reflectance with the least cosine-weighted RMS difference.
 
     The mean is over half vectors of the hemisphere, weighed by ``cos theta_i cos theta_o``, which
     is ``cos^2 theta_h`` here.
+
+    Args:
+        alpha: Ward's roughness.
+        variant: The specular normalisation of the Ward lobe.
+
+    Returns:
+        The nearest lobe.
     """
     directions, weights = _half_vectors(alpha)
     ward = specular(np.array(1.0), np.array(alpha), directions, directions, variant)

@@ -10,7 +10,14 @@ import numpy as np
 from array_api_compat import array_namespace
 
 from reflest_core.brdf.lab import lab_to_rgb, luminance, rgb_to_lab
-from reflest_core.brdf.parameters import LabCdParameters, WardParameters, WardVariant
+from reflest_core.brdf.parameters import (
+    ALPHA,
+    RHO_D,
+    RHO_S,
+    LabCdParameters,
+    WardParameters,
+    WardVariant,
+)
 
 Array = Any
 
@@ -19,28 +26,58 @@ _SMALLEST = 1e-12
 
 
 def contrast(rho_d_luminance: Array, rho_s: Array) -> Array:
-    """``c`` (...) from the Rec. 709 luminance of ``rho_d`` and ``rho_s`` (...)."""
+    """Return the contrast of gloss ``c`` (Eq. 2).
+
+    Args:
+        rho_d_luminance: (...) Rec. 709 luminance of ``rho_d``.
+        rho_s: (...) specular strength.
+
+    Returns:
+        (...) ``c``.
+    """
     return _cube_root(rho_s + rho_d_luminance / 2) - _cube_root(rho_d_luminance / 2)
 
 
 def specular_strength(rho_d_luminance: Array, c: Array) -> Array:
-    """``rho_s`` (...) from ``c``, the inverse of :func:`contrast`, clamped at 0."""
+    """Invert :func:`contrast`.
+
+    Args:
+        rho_d_luminance: (...) Rec. 709 luminance of ``rho_d``.
+        c: (...) contrast of gloss.
+
+    Returns:
+        (...) ``rho_s``, clamped at 0.
+    """
     xp = array_namespace(rho_d_luminance)
     cubed = (c + _cube_root(rho_d_luminance / 2)) ** 3
     return xp.clip(cubed - rho_d_luminance / 2, 0, None)
 
 
 def ward_to_labcd(ward: Array) -> Array:
-    """(..., 5) of ``rho_d`` (3), ``rho_s``, ``alpha`` to (..., 5) of ``L, a, b, c, d``."""
+    """Convert Ward vectors to Lab and gloss.
+
+    Args:
+        ward: (..., 5) in the order of :data:`.parameters.PARAMETERS`.
+
+    Returns:
+        (..., 5) ``L, a, b, c, d``.
+    """
     xp = array_namespace(ward)
-    rho_d, rho_s, alpha = ward[..., :3], ward[..., 3], ward[..., 4]
+    rho_d, rho_s, alpha = ward[..., RHO_D], ward[..., RHO_S], ward[..., ALPHA]
     c = contrast(luminance(rho_d), rho_s)
     gloss = xp.stack([c, 1 - alpha], axis=-1)
     return xp.concat([rgb_to_lab(rho_d), gloss], axis=-1)
 
 
 def labcd_to_ward(labcd: Array) -> Array:
-    """(..., 5) of ``L, a, b, c, d`` to (..., 5) of ``rho_d`` (3), ``rho_s``, ``alpha``."""
+    """Convert Lab and gloss to Ward vectors.
+
+    Args:
+        labcd: (..., 5) ``L, a, b, c, d``.
+
+    Returns:
+        (..., 5) in the order of :data:`.parameters.PARAMETERS`; colours are not clipped.
+    """
     xp = array_namespace(labcd)
     rho_d = lab_to_rgb(labcd[..., :3])
     rho_s = specular_strength(xp.clip(luminance(rho_d), 0, None), labcd[..., 3])
@@ -49,16 +86,23 @@ def labcd_to_ward(labcd: Array) -> Array:
 
 
 def to_labcd(parameters: WardParameters) -> LabCdParameters:
-    """The Lab/c,d twin of one Ward BRDF."""
-    vector = np.array([*parameters.rho_d, parameters.rho_s, parameters.alpha])
-    lightness, a, b, c, d = ward_to_labcd(vector).tolist()
+    """Convert one Ward BRDF to Lab and gloss."""
+    lightness, a, b, c, d = ward_to_labcd(np.array(parameters.vector)).tolist()
     return LabCdParameters((lightness, a, b), c, d)
 
 
 def to_ward(
     parameters: LabCdParameters, variant: WardVariant = WardVariant.WARD_1992
 ) -> WardParameters:
-    """The Ward BRDF of Lab/c,d values; colours outside the gamut are not clipped."""
+    """Convert Lab and gloss to a Ward BRDF.
+
+    Args:
+        parameters: Lab and gloss.
+        variant: The specular normalisation that the result states.
+
+    Returns:
+        The BRDF; colours outside the gamut are not clipped.
+    """
     vector = np.array([*parameters.lab, parameters.c, parameters.d])
     red, green, blue, rho_s, alpha = labcd_to_ward(vector).tolist()
     return WardParameters((red, green, blue), rho_s, alpha, variant)

@@ -23,8 +23,10 @@ LARGEST_TAN = 30.0
 class HalfAngleQuadrature:
     """Nodes of ``integral g(omega_i, omega_o) cos theta_i d omega_i d omega_o`` for isotropic g.
 
-    ``omega_i``, ``omega_o``: (Q, 3), local frame. ``weights``: (Q,) with cosine and Jacobian in
-    them; pairs with a direction below the surface weigh 0.
+    Attributes:
+        omega_i: (Q, 3) unit directions of incidence, local frame.
+        omega_o: (Q, 3) unit directions to the camera, local frame.
+        weights: (Q,) with cosine and Jacobian in them; 0 where a direction is below the surface.
     """
 
     omega_i: torch.Tensor
@@ -35,7 +37,17 @@ class HalfAngleQuadrature:
     def make(
         half: int = 48, difference: int = 12, azimuth: int = 12, dtype: torch.dtype = torch.float32
     ) -> HalfAngleQuadrature:
-        """Build the nodes: ``half`` x ``difference`` x ``azimuth`` midpoints."""
+        """Build the nodes.
+
+        Args:
+            half: Midpoints in ``theta_h``.
+            difference: Midpoints in ``theta_d``.
+            azimuth: Midpoints in ``phi_d``.
+            dtype: Of the tensors.
+
+        Returns:
+            ``half`` x ``difference`` x ``azimuth`` nodes.
+        """
         tan_h, d_tan_h = _log_midpoints(half)
         theta_d, d_theta_d = _midpoints(0.0, math.pi / 2, difference)
         phi_d, d_phi_d = _midpoints(0.0, math.pi, azimuth)  # mirror symmetry: half the circle

@@ -40,7 +40,15 @@ LUMINANCE_WEIGHTS = RGB_TO_XYZ[1]
 
 
 def constant_like(values: NDArray[np.float64], like: Array) -> Array:
-    """``values`` as an array of the kind, type and device of ``like``."""
+    """Convert constants to the kind of another array.
+
+    Args:
+        values: The constants.
+        like: A numpy array or torch tensor.
+
+    Returns:
+        ``values`` as an array of the kind, type and device of ``like``.
+    """
     xp = array_namespace(like)
     if isinstance(like, np.ndarray):
         return xp.asarray(values, dtype=like.dtype)
@@ -48,13 +56,27 @@ def constant_like(values: NDArray[np.float64], like: Array) -> Array:
 
 
 def luminance(rgb: Array) -> Array:
-    """Rec. 709 luminance (...) of linear RGB (..., 3)."""
+    """Return Rec. 709 luminance.
+
+    Args:
+        rgb: (..., 3) linear RGB.
+
+    Returns:
+        (...) luminance.
+    """
     xp = array_namespace(rgb)
     return xp.sum(rgb * constant_like(LUMINANCE_WEIGHTS, rgb), axis=-1)
 
 
 def rgb_to_lab(rgb: Array) -> Array:
-    """Linear RGB (..., 3) in [0, 1] to L* in [0, 100], a*, b* (..., 3); differentiable at 0."""
+    """Convert linear RGB to CIE L*a*b* under D65/2 degrees; differentiable at 0.
+
+    Args:
+        rgb: (..., 3) linear RGB in [0, 1].
+
+    Returns:
+        (..., 3) L* in [0, 100], a*, b*.
+    """
     xp = array_namespace(rgb)
     relative = rgb @ constant_like((RGB_TO_XYZ / WHITE_XYZ[:, None]).T, rgb)
     root = xp.clip(relative, _DELTA**3, None) ** (1 / 3)
@@ -64,7 +86,14 @@ def rgb_to_lab(rgb: Array) -> Array:
 
 
 def lab_to_rgb(lab: Array) -> Array:
-    """L*a*b* (..., 3) to linear RGB (..., 3), not clipped to the gamut."""
+    """Convert CIE L*a*b* to linear RGB.
+
+    Args:
+        lab: (..., 3) L*, a*, b*.
+
+    Returns:
+        (..., 3) linear RGB, not clipped to the gamut.
+    """
     xp = array_namespace(lab)
     fy = (lab[..., 0] + 16) / 116
     f = xp.stack([fy + lab[..., 1] / 500, fy, fy - lab[..., 2] / 200], axis=-1)

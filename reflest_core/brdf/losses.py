@@ -14,7 +14,7 @@ import torch
 from array_api_compat import array_namespace
 
 from reflest_core.brdf.half_angle import HalfAngleQuadrature
-from reflest_core.brdf.parameters import WardVariant
+from reflest_core.brdf.parameters import ALPHA, RHO_D, RHO_S, WardVariant
 from reflest_core.brdf.ward import evaluate
 
 Array = Any
@@ -26,13 +26,18 @@ GAMMA = 2.4
 def parameter_distance(
     estimate: torch.Tensor, truth: torch.Tensor, gloss_weight: float = 1.0
 ) -> torch.Tensor:
-    """RMSE_1 or RMSE_2 of Table 1, (B,), on z-scored parameters (B, 5).
+    """Return RMSE_1 or RMSE_2 of Table 1; the squares are summed, as the table prints them.
 
-    RMSE_1: columns ``rho_d`` (3), ``rho_s``, ``alpha``. RMSE_2: ``L, a, b, c, d``, where
-    ``gloss_weight`` is ``lambda_g``. The squares are summed, as Table 1 prints them.
+    Args:
+        estimate: (B, 5) z-scored; RMSE_1 on Ward vectors, RMSE_2 on ``L, a, b, c, d``.
+        truth: (B, 5) the same.
+        gloss_weight: ``lambda_g`` of RMSE_2.
+
+    Returns:
+        (B,) distances.
     """
     squares = (estimate - truth) ** 2
-    return squares[..., :3].sum(-1) + gloss_weight * squares[..., 3:].sum(-1)
+    return squares[..., RHO_D].sum(-1) + gloss_weight * squares[..., RHO_S:].sum(-1)
 
 
 def cube_root(
@@ -41,13 +46,23 @@ def cube_root(
     quadrature: HalfAngleQuadrature,
     variant: WardVariant = WardVariant.WARD_1992,
 ) -> torch.Tensor:
-    """CubeRoot of Table 1, (B,), on Ward parameters (B, 5), ``alpha`` > 0.
+    """Return CubeRoot of Table 1.
 
-    Cube root of the integral of ``|f - f_hat| cos theta_i`` over both hemispheres, mean over RGB.
+    The cube root of the integral of ``|f - f_hat| cos theta_i`` over both hemispheres, mean over
+    RGB.
+
+    Args:
+        estimate: (B, 5) Ward vectors, ``alpha`` above 0.
+        truth: (B, 5) the same.
+        quadrature: Nodes of the integral.
+        variant: The specular normalisation.
+
+    Returns:
+        (B,) distances.
     """
 
     def brdf(ward: torch.Tensor) -> torch.Tensor:
-        rho_d, rho_s, alpha = ward[:, None, :3], ward[:, None, 3], ward[:, None, 4]
+        rho_d, rho_s, alpha = ward[:, None, RHO_D], ward[:, None, RHO_S], ward[:, None, ALPHA]
         value: torch.Tensor = evaluate(
             rho_d, rho_s, alpha, quadrature.omega_i, quadrature.omega_o, variant
         )
@@ -60,10 +75,16 @@ def cube_root(
 
 
 def colour_constancy(rho_d: Array, rho_s: Array, foreground: Array, background: Array) -> Array:
-    """E_c of Eq. 4, (...), for ``rho_d`` (..., 3), ``rho_s`` (...).
+    """Return E_c of Eq. 4.
 
-    ``foreground``, ``background``: mean 8-bit colours F and B of each view (..., W, 3) in [0, 255];
-    a view where either is NaN (no such pixels) does not count.
+    Args:
+        rho_d: (..., 3) diffuse albedo.
+        rho_s: (...) specular strength.
+        foreground: (..., W, 3) mean 8-bit colour F of each view in [0, 255]; NaN where unknown.
+        background: (..., W, 3) the same for B. A view where either is NaN does not count.
+
+    Returns:
+        (...) the energy.
     """
     xp = array_namespace(rho_d, foreground)
     known = ~(xp.isnan(foreground) | xp.isnan(background))

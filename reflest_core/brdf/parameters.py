@@ -7,6 +7,16 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass
 
+PARAMETERS = ("rho_d_r", "rho_d_g", "rho_d_b", "rho_s", "alpha")
+"""Names of the values of a Ward vector (..., 5), in order."""
+
+RHO_D = slice(0, 3)
+"""Where a Ward vector holds the diffuse albedo."""
+RHO_S = 3
+"""Where a Ward vector holds the specular strength."""
+ALPHA = 4
+"""Where a Ward vector holds the roughness."""
+
 SMALLEST_ALPHA = 0.001
 """The roughness of the glossiest OpenSurfaces material (``doi`` = 15)."""
 
@@ -23,10 +33,13 @@ class WardVariant(enum.Enum):
 
 @dataclass(frozen=True)
 class WardParameters:
-    """Isotropic Ward BRDF.
+    """An isotropic Ward BRDF; ``max(rho_d) + rho_s <= 1``.
 
-    ``rho_d``: diffuse albedo, three values in [0, 1], linear sRGB (Rec. 709 primaries, D65).
-    ``rho_s``: specular strength >= 0. ``alpha``: roughness > 0. ``max(rho_d) + rho_s <= 1``.
+    Attributes:
+        rho_d: Diffuse albedo, three values in [0, 1], linear sRGB (Rec. 709 primaries, D65).
+        rho_s: Specular strength, at least 0.
+        alpha: Roughness, above 0.
+        variant: The specular normalisation.
     """
 
     rho_d: tuple[float, float, float]
@@ -34,13 +47,20 @@ class WardParameters:
     alpha: float
     variant: WardVariant = WardVariant.WARD_1992
 
+    @property
+    def vector(self) -> tuple[float, ...]:
+        """The values in the order of :data:`PARAMETERS`."""
+        return (*self.rho_d, self.rho_s, self.alpha)
+
 
 @dataclass(frozen=True)
 class LabCdParameters:
-    """The same material in Pellacini's perceptual gloss space (Eq. 2).
+    """The same material in Pellacini's perceptual gloss space (Eq. 2 of Kim et al. 2017).
 
-    ``lab``: CIE L*a*b* of linear ``rho_d`` under D65/2 degrees, L* in [0, 100].
-    ``c``: contrast of gloss. ``d``: distinctness of gloss, ``1 - alpha``.
+    Attributes:
+        lab: CIE L*a*b* of linear ``rho_d`` under D65/2 degrees, L* in [0, 100].
+        c: Contrast of gloss.
+        d: Distinctness of gloss, ``1 - alpha``.
     """
 
     lab: tuple[float, float, float]

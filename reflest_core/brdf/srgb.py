@@ -14,7 +14,14 @@ Array = Any
 
 
 def encode(linear: Array) -> Array:
-    """Linear light to sRGB; values outside [0, 1] are clipped (numpy or torch, any shape)."""
+    """Convert linear light to sRGB values.
+
+    Args:
+        linear: Numpy or torch, any shape; clipped to [0, 1].
+
+    Returns:
+        sRGB values in [0, 1].
+    """
     xp = array_namespace(linear)
     clipped = xp.clip(linear, 0, 1)
     curve = 1.055 * xp.clip(clipped, 0.0031308, 1) ** (1 / 2.4) - 0.055
@@ -22,7 +29,14 @@ def encode(linear: Array) -> Array:
 
 
 def decode(encoded: Array) -> Array:
-    """SRGB values to linear light; values outside [0, 1] are clipped (numpy or torch)."""
+    """Convert sRGB values to linear light.
+
+    Args:
+        encoded: Numpy or torch, any shape; clipped to [0, 1].
+
+    Returns:
+        Linear light in [0, 1].
+    """
     xp = array_namespace(encoded)
     clipped = xp.clip(encoded, 0, 1)
     curve = ((xp.clip(clipped, 0.04045, 1) + 0.055) / 1.055) ** 2.4

@@ -26,9 +26,18 @@ def evaluate(
     omega_o: Array,
     variant: WardVariant = WardVariant.WARD_1992,
 ) -> Array:
-    """BRDF value (..., 3) in 1/sr, linear sRGB; 0 where a direction lies below the surface.
+    """Evaluate the BRDF (Eq. 1 of Kim et al. 2017).
 
-    ``rho_d`` (..., 3); ``rho_s``, ``alpha`` (...); ``omega_i``, ``omega_o`` (..., 3).
+    Args:
+        rho_d: (..., 3) diffuse albedo, linear sRGB.
+        rho_s: (...) specular strength.
+        alpha: (...) roughness.
+        omega_i: (..., 3) unit directions of incidence, local frame.
+        omega_o: (..., 3) unit directions to the camera, local frame.
+        variant: The specular normalisation.
+
+    Returns:
+        (..., 3) in 1/sr, linear sRGB; 0 where a direction lies below the surface.
     """
     xp = array_namespace(rho_d, omega_i)
     above = (omega_i[..., 2] > 0) & (omega_o[..., 2] > 0)
@@ -43,7 +52,18 @@ def specular(
     omega_o: Array,
     variant: WardVariant = WardVariant.WARD_1992,
 ) -> Array:
-    """The specular lobe alone (...), 1/sr; 0 where a direction lies below the surface."""
+    """Evaluate the specular lobe alone.
+
+    Args:
+        rho_s: (...) specular strength.
+        alpha: (...) roughness.
+        omega_i: (..., 3) unit directions of incidence, local frame.
+        omega_o: (..., 3) unit directions to the camera, local frame.
+        variant: The specular normalisation.
+
+    Returns:
+        (...) in 1/sr; 0 where a direction lies below the surface.
+    """
     xp = array_namespace(omega_i, omega_o)
     cos_i, cos_o = omega_i[..., 2], omega_o[..., 2]
     above = (cos_i > 0) & (cos_o > 0)

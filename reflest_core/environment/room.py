@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from reflest_core.errors import ReflestError
 from reflest_core.fusion.scan import Scan
 from reflest_core.light.environment_reader import read_radiance
-from reflest_core.light.equirectangular import equirectangular_directions
-from reflest_core.light.equirectangular_lookup import radiance_from
+from reflest_core.light.equirectangular import equirectangular_directions, radiance_from
 from reflest_core.light.known_light import NAME, KnownLight, KnownLightError
 from reflest_core.light.light_map import SIZE
 from reflest_core.light.octahedral import octahedral_directions, octahedral_texels

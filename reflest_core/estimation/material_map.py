@@ -90,7 +90,14 @@ class MaterialMap:
         return self.partition.ids_of(self.surface.voxel_keys)
 
     def material(self, material_id: int) -> MaterialEstimate | None:
-        """The material of an id, None where there is none."""
+        """Find a material.
+
+        Args:
+            material_id: its id.
+
+        Returns:
+            The material, None where the map has none of this id.
+        """
         return next((found for found in self.materials if found.id == material_id), None)
 
     def of_voxels(self, name: str) -> NDArray[np.float32]:

@@ -38,11 +38,17 @@ LONGEST_TEXT = 512
 class KeyframeSnapshot:
     """The surface as it stood when the keyframe was fused.
 
-    ``T_world_camera``: (4, 4) float64, the keyframe's pose; None where no frame was fused yet, as
-    after a load. ``frame_id``, ``world_frame_id``: names of the camera's and of the world frame.
-    ``voxel_count``, ``observation_count``: of the whole scan, where the surface is a part of it;
-    None where it is all there is. ``light_problem``: why light that was known before the scan was
-    not used, or "". ``poses``: how well the scan's depth maps meet, None where none were fused.
+    Attributes:
+        stamp_ns: stamp of the keyframe's image.
+        frame_id: frame of the colour camera.
+        surface: a copy of the scan, thinned evenly where it is large.
+        world_frame_id: frame of the surface and of the pose.
+        T_world_camera: (4, 4) float64, the keyframe's pose; None where no frame was fused yet, as
+            after a load.
+        voxel_count: of the whole scan; None where the surface is all there is.
+        observation_count: of the whole scan; None where the surface is all there is.
+        light_problem: why light that was known before the scan was not used, or "".
+        poses: how well the scan's depth maps meet; None where none were fused.
     """
 
     stamp_ns: int
@@ -58,7 +64,12 @@ class KeyframeSnapshot:
 
 @dataclass(frozen=True)
 class ScannedFrame:
-    """What one frame did, and the snapshot to estimate from if it was a keyframe."""
+    """What one frame did to the scan.
+
+    Attributes:
+        fused: counts and times of the frame.
+        keyframe: the snapshot to estimate from, None where the frame was no keyframe.
+    """
 
     fused: FusedFrame
     keyframe: KeyframeSnapshot | None
@@ -71,7 +82,14 @@ class Scanner:
     """
 
     def __init__(self, settings: ReflestSettings) -> None:
-        """Load the weights and allocate the scan; :class:`ReflestError` says what is wrong."""
+        """Load the weights and allocate the scan.
+
+        Args:
+            settings: all parameters.
+
+        Raises:
+            ReflestError: The weights or the known light cannot be read.
+        """
         self.settings = settings
         self.estimator = Estimator(settings.estimation)
         path = settings.estimation.known_light
@@ -82,7 +100,17 @@ class Scanner:
         self._last_pose: NDArray[np.float64] | None = None
 
     def fuse(self, frame: Frame) -> ScannedFrame:
-        """Fuse one frame; raises :class:`FrameRefused` and leaves the scan as it was."""
+        """Fuse one frame.
+
+        Args:
+            frame: later than the frame before.
+
+        Returns:
+            What it did, with a snapshot if it was a keyframe.
+
+        Raises:
+            FrameRefused: The frame cannot be used; the scan is as it was.
+        """
         fused = self.scan.fuse(frame)
         after_jump = self.poses.add(frame)
         if after_jump is not None and self.settings.fusion.on_jump == "new_scan":
@@ -123,7 +151,14 @@ class Scanner:
         )
 
     def estimate(self, snapshot: KeyframeSnapshot) -> BrdfEstimate:
-        """Estimate from a snapshot; raises :class:`NoEstimate` with the reason."""
+        """Estimate one BRDF for all of a snapshot.
+
+        Args:
+            snapshot: the scan at a keyframe.
+
+        Raises:
+            NoEstimate: Too few voxels were observed.
+        """
         surface = snapshot.surface
         estimate = self.estimator.estimate(
             surface, snapshot.stamp_ns, snapshot.frame_id, snapshot.light_problem
@@ -167,7 +202,11 @@ class Scanner:
         self.poses.restart()
 
     def set_region(self, region: RegionSettings) -> None:
-        """Begin a scan of another region of interest, unless it is the one that is scanned."""
+        """Begin a scan of another region of interest, unless it is the one that is scanned.
+
+        Args:
+            region: world frame, metres.
+        """
         if region != self.scan.region_settings:
             self.scan.set_region(region)
             self.keyframes.reset()
@@ -182,13 +221,26 @@ class Scanner:
         self._last_pose = None
 
     def save(self, path: Path) -> None:
-        """Write volume, store and views to one file."""
+        """Write volume, store and views to one file, whole or not at all.
+
+        Args:
+            path: it is replaced if it exists.
+
+        Raises:
+            ReflestError: The file cannot be written.
+        """
         self.scan.save(path)
 
     def load(self, path: Path) -> None:
         """Go on from a file that :meth:`save` wrote; the scan stays as it was if that fails.
 
         The frames to come may have any stamp.
+
+        Args:
+            path: a scan file.
+
+        Raises:
+            ReflestError: The file is no scan or is damaged.
         """
         self.scan = Scan.load(path)
         self.poses = PoseCheck()

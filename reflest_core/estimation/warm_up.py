@@ -22,7 +22,11 @@ SIDE, VIEWS = 32, 6
 
 
 def warm_up(estimator: Estimator) -> None:
-    """Run every kernel once. Takes a second; about a minute on the first start."""
+    """Run every kernel once: a second, or about a minute on the first start.
+
+    Args:
+        estimator: with the network that will be used.
+    """
     capture.warm_up()
     fusion.warm_up()
     estimator.estimate(_grey_wall(), 0, "")

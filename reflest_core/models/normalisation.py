@@ -9,7 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-WARD_NAMES = ("rho_d_r", "rho_d_g", "rho_d_b", "rho_s", "alpha")
+from reflest_core.brdf.parameters import PARAMETERS
+
+WARD_NAMES = PARAMETERS
 LABCD_NAMES = ("L", "a", "b", "c", "d")
 
 

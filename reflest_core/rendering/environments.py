@@ -11,6 +11,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.light.equirectangular import (
+    equirectangular_directions,
+    equirectangular_solid_angles,
+)
+
+ROWS = 32
+"""Of the coarse image that irradiance is summed over."""
+
 
 @dataclass(frozen=True)
 class SoftBox:
@@ -31,13 +39,17 @@ STUDIO_LAMPS = (
 
 
 def studio(height: int = 128) -> NDArray[np.float32]:
-    """Lat-long radiance (height, 2 height, 3) float32, linear sRGB; row 0 is up (+z).
+    """Draw a grey room with a warm floor and three lamps.
 
-    Column 0 is azimuth -pi, azimuth 0 points along +x. A grey room, a warm floor, three lamps.
+    Args:
+        height: Rows of the image.
+
+    Returns:
+        (height, 2 height, 3) linear sRGB radiance, see :mod:`reflest_core.light.equirectangular`.
     """
-    elevation = math.pi / 2 - (np.arange(height) + 0.5) * math.pi / height
-    azimuth = (np.arange(2 * height) + 0.5) * math.pi / height - math.pi
-    azimuth, elevation = np.meshgrid(azimuth, elevation)
+    directions = equirectangular_directions(height)
+    azimuth = np.arctan2(directions[..., 1], directions[..., 0])
+    elevation = np.arcsin(directions[..., 2])
     rise = np.sin(elevation)[..., None]
     walls = 0.35 + 0.25 * rise
     floor = np.array([0.34, 0.28, 0.22])
@@ -49,30 +61,20 @@ def studio(height: int = 128) -> NDArray[np.float32]:
     return radiance.astype(np.float32)
 
 
-def look_up(
-    environment: NDArray[np.float32], directions: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Radiance (..., 3) towards unit ``directions`` (..., 3), nearest texel."""
-    height, width = environment.shape[:2]
-    row = np.arccos(np.clip(directions[..., 2], -1, 1)) / math.pi * height
-    column = (np.arctan2(directions[..., 1], directions[..., 0]) / (2 * math.pi) + 0.5) * width
-    rows = np.clip(row.astype(int), 0, height - 1)
-    radiance: NDArray[np.float64] = environment[rows, column.astype(int) % width].astype(np.float64)
-    return radiance
-
-
 def irradiance(
     environment: NDArray[np.float32], normals: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Irradiance (P, 3) on unit ``normals`` (P, 3): the cosine-weighted sum over 32 x 64 cells."""
-    cells = cv2.resize(environment, (64, 32), interpolation=cv2.INTER_AREA).reshape(-1, 3)
-    polar = (np.arange(32) + 0.5) * math.pi / 32
-    azimuth = (np.arange(64) + 0.5) * math.pi / 32 - math.pi
-    azimuth, polar = (axis.reshape(-1) for axis in np.meshgrid(azimuth, polar))
-    directions = np.stack(
-        [np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)]
-    )
-    solid_angle = np.sin(polar) * (math.pi / 32) ** 2
-    cosine = np.clip(normals @ directions, 0, None)
-    arriving: NDArray[np.float64] = cosine @ (cells * solid_angle[:, None])
+    """Sum the light on surfaces, over 32 x 64 cells of the environment.
+
+    Args:
+        environment: (H, 2 H, 3) linear radiance, equirectangular.
+        normals: (P, 3) unit normals in the environment's frame.
+
+    Returns:
+        (P, 3) cosine-weighted irradiance.
+    """
+    cells = cv2.resize(environment, (2 * ROWS, ROWS), interpolation=cv2.INTER_AREA)
+    weighted = cells * equirectangular_solid_angles(ROWS)[..., None]
+    cosine = np.clip(normals @ equirectangular_directions(ROWS).reshape(-1, 3).T, 0, None)
+    arriving: NDArray[np.float64] = cosine @ weighted.reshape(-1, 3)
     return arriving

@@ -7,11 +7,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf.models import Ward
 from reflest_core.brdf.parameters import WardParameters
-from reflest_core.brdf.sampling import sample_specular, specular_weight
 from reflest_core.brdf.srgb import encode
-from reflest_core.brdf.ward import evaluate
-from reflest_core.rendering.environments import irradiance, look_up
+from reflest_core.light.equirectangular import nearest_radiance
+from reflest_core.rendering.environments import irradiance
 
 TOWARDS_CAMERA = np.array([0.0, -1.0, 0.0])
 SAMPLES = 12
@@ -36,15 +36,15 @@ def render_environment(
     omega_o = np.einsum("pij,j->pi", frames, TOWARDS_CAMERA)[:, None]
     shifts = np.random.default_rng(0).random((len(normals), 1, 2))
 
+    model, material = Ward(parameters.variant), np.array(parameters.vector)
     radiance = np.array(parameters.rho_d) / np.pi * irradiance(environment, normals)
     for first in range(0, len(normals), PIXELS_AT_ONCE):
         some = slice(first, first + PIXELS_AT_ONCE)
-        mirrored = sample_specular(parameters.alpha, omega_o[some], _strata(shifts[some]))
-        weights = specular_weight(parameters.rho_s, mirrored, omega_o[some], parameters.variant)
-        arriving = look_up(environment, np.einsum("pji,psj->psi", frames[some], mirrored))
+        mirrored, weights = model.sample(material, omega_o[some], _strata(shifts[some]))
+        arriving = nearest_radiance(environment, np.einsum("pji,psj->psi", frames[some], mirrored))
         radiance[some] += (weights[..., None] * arriving).mean(axis=1)
 
-    image = look_up(environment, _background_directions(size))
+    image = nearest_radiance(environment, _background_directions(size))
     image[on_sphere] = radiance
     return image
 
@@ -58,9 +58,7 @@ def render_point_light(
     towards_light = np.array(direction) / np.linalg.norm(direction)
     omega_i = np.einsum("pij,j->pi", frames, towards_light)
     omega_o = np.einsum("pij,j->pi", frames, TOWARDS_CAMERA)
-    rho_d, rho_s = np.array(parameters.rho_d), np.array(parameters.rho_s)
-    alpha = np.array(parameters.alpha)
-    value = evaluate(rho_d, rho_s, alpha, omega_i, omega_o, parameters.variant)
+    value = Ward(parameters.variant).evaluate(np.array(parameters.vector), omega_i, omega_o)
     image = np.zeros((size, size, 3))
     image[on_sphere] = np.pi * value * np.clip(omega_i[:, 2:], 0, None)
     return image

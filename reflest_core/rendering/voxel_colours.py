@@ -9,8 +9,8 @@ import enum
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf.models import Ward
 from reflest_core.brdf.parameters import WardParameters
-from reflest_core.brdf.ward import evaluate
 from reflest_core.rendering.sphere import tone_map
 from reflest_core.surface.observed_surface import ObservedSurface
 
@@ -64,12 +64,5 @@ def estimate_colours(
     # An isotropic BRDF of equal directions knows them by their cosine alone.
     sine = np.sqrt(np.clip(1 - cosine**2, 0, None))
     direction = np.stack([sine, np.zeros_like(sine), cosine], axis=-1)
-    value = evaluate(
-        np.array(material.rho_d),
-        np.array(material.rho_s),
-        np.array(material.alpha),
-        direction,
-        direction,
-        material.variant,
-    )
+    value = Ward(material.variant).evaluate(np.array(material.vector), direction, direction)
     return tone_map(np.pi * value * np.clip(cosine, 0, None)[:, None])

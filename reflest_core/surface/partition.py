@@ -60,7 +60,11 @@ class Partition:
 
     @staticmethod
     def whole(surface: ObservedSurface) -> Partition:
-        """Take all voxels of a surface for one material, :data:`WHOLE`."""
+        """Take all voxels of a surface for one material, :data:`WHOLE`.
+
+        Args:
+            surface: V voxels.
+        """
         return Partition.of(surface, np.full(surface.voxel_count, WHOLE, np.uint32))
 
     @property

@@ -7,8 +7,7 @@ import pytest
 
 from reflest_core.brdf import ward
 from reflest_core.brdf.parameters import WardParameters, WardVariant
-from reflest_core.light.equirectangular import equirectangular_directions
-from reflest_core.light.equirectangular_lookup import radiance_from
+from reflest_core.light.equirectangular import equirectangular_directions, radiance_from
 from reflest_core.synbrdf.scenes import metering
 from test.synbrdf.spheres import icosphere, joined
 

@@ -24,7 +24,7 @@ from reflest_core.training.data.sample import Sample
 
 METRICS = tuple(field.name for field in dataclasses.fields(ImageDistance))
 Lights = dict[str, NDArray[np.float32]]
-"""Environments by name, lat-long radiance as ``rendering.environments`` reads it."""
+"""Environments by name: equirectangular radiance, linear."""
 
 
 def prepare_swatches(lights: Lights) -> list[Swatch]:

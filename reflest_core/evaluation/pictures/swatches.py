@@ -15,10 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf import srgb
+from reflest_core.brdf.models import Ward
+from reflest_core.brdf.parameters import ALPHA, RHO_D, RHO_S
 from reflest_core.brdf.sampling import sample_specular, specular_weight
-from reflest_core.brdf.ward import evaluate
 from reflest_core.evaluation.pictures.bumpy import Shape
-from reflest_core.rendering.environments import irradiance, look_up
+from reflest_core.light.equirectangular import nearest_radiance
+from reflest_core.rendering.environments import irradiance
 from reflest_core.synbrdf.scenes.exposure import auto_exposure
 
 ALPHAS = np.geomspace(0.001, 0.5, 32)
@@ -78,7 +80,7 @@ class EnvironmentSwatch:
         Args:
             shape: What is rendered.
             light: The environment's name.
-            radiance: (H, 2 H, 3) linear, as :func:`~.rendering.environments.look_up` reads it.
+            radiance: (H, 2 H, 3) linear, see :mod:`reflest_core.light.equirectangular`.
         """
         frames = _local_frames(shape.normals)
         omega_o = np.einsum("pij,j->pi", frames, TOWARDS_CAMERA)[:, None]
@@ -89,7 +91,7 @@ class EnvironmentSwatch:
         for step, alpha in enumerate(ALPHAS):
             mirrored = sample_specular(alpha, omega_o, corners + shifts)
             weights = specular_weight(1.0, mirrored, omega_o)
-            arriving = look_up(radiance, np.einsum("pji,psj->psi", frames, mirrored))
+            arriving = nearest_radiance(radiance, np.einsum("pji,psj->psi", frames, mirrored))
             glossy[step] = (weights[..., None] * arriving).mean(axis=1)
         diffuse = irradiance(radiance, shape.normals) / math.pi
         return EnvironmentSwatch(shape, light, diffuse, glossy, auto_exposure(radiance))
@@ -103,11 +105,11 @@ class EnvironmentSwatch:
         Returns:
             (SIZE, SIZE, 3) float64 sRGB in [0, 1]; black beside the shape.
         """
-        place = np.interp(np.log(ward[4]), np.log(ALPHAS), np.arange(len(ALPHAS)))
+        place = np.interp(np.log(ward[ALPHA]), np.log(ALPHAS), np.arange(len(ALPHAS)))
         low = min(int(place), len(ALPHAS) - 2)
         share = place - low
         glossy = (1 - share) * self.glossy[low] + share * self.glossy[low + 1]
-        radiance = ward[:3] * self.diffuse + ward[3] * glossy
+        radiance = ward[RHO_D] * self.diffuse + ward[RHO_S] * glossy
         return _picture(self.shape, radiance * self.exposure)
 
 
@@ -151,7 +153,7 @@ class PointLightSwatch:
         Returns:
             (SIZE, SIZE, 3) float64 sRGB in [0, 1]; black beside the shape.
         """
-        value = evaluate(ward[:3], ward[3], ward[4], self.omega_i, self.omega_o)
+        value = Ward().evaluate(ward, self.omega_i, self.omega_o)
         cosine = np.clip(self.omega_i[:, 2:], 0, None)
         return _picture(self.shape, WHITE_POINT * math.pi * value * cosine)
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from reflest_core.brdf import srgb
 from reflest_core.brdf.lab import luminance
+from reflest_core.brdf.parameters import RHO_D, RHO_S
 from reflest_core.light.light_map import ObservedLight
 from reflest_core.light.octahedral import octahedral_solid_angles
 from reflest_core.surface.coverage import hemisphere_coverage
@@ -108,8 +109,8 @@ def measured(sample: Sample) -> dict[str, float]:
         "surface_brightness": float(np.median(brightness)),
         "view_coverage": hemisphere_coverage(surface, observed),
         "voxels": float(len(observed)),
-        "rho_s": float(sample.ward[3]),
-        "rho_d": float(sample.ward[:3].mean()),
+        "rho_s": float(sample.ward[RHO_S]),
+        "rho_d": float(sample.ward[RHO_D].mean()),
     }
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from reflest_core.brdf import srgb
+from reflest_core.brdf.parameters import ALPHA
 from reflest_core.estimation.estimator import physical_ward
 from reflest_core.evaluation.networks import EvaluatedNetwork
 from reflest_core.evaluation.paper_figures import OPTIMISER_SECONDS
@@ -125,4 +126,4 @@ def lambertian(surface: ObservedSurface, statistics: ParameterStatistics) -> NDA
     known = ~(np.isnan(foreground) | np.isnan(background)).any(axis=1)
     f, b = foreground[known], background[known]
     ratio = (f * b).sum(axis=0) / np.maximum((b * b).sum(axis=0), 1e-9)
-    return np.array([*np.clip(ratio, 0.0, 1.0), 0.0, statistics.mean[4]])
+    return np.array([*np.clip(ratio, 0.0, 1.0), 0.0, statistics.mean[ALPHA]])

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf.parameters import ALPHA, RHO_D, RHO_S
 from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.evaluation.estimates import SceneEstimates
 from reflest_core.evaluation.statistics.scene_measures import UNUSUAL_SHARE, measured, unusual
@@ -79,14 +80,14 @@ def find_failures(
 def _where(squared: NDArray[np.float64]) -> str:
     """Which parameters hold most of one scene's squared error (5,)."""
     shares = squared / max(float(squared.sum()), 1e-12)
-    albedo, most = float(shares[:3].sum()), int(shares.argmax())
+    albedo, most = float(shares[RHO_D].sum()), int(shares.argmax())
     if most >= 3 and shares[most] >= ONE_PARAMETER:
         return f"{WARD_NAMES[most]} holds {shares[most]:.0%} of the squared error"
     if albedo >= ONE_PARAMETER:
         return f"rho_d holds {albedo:.0%} of the squared error"
     return (
-        f"the squared error is spread: rho_d {albedo:.0%}, rho_s {shares[3]:.0%}, alpha "
-        f"{shares[4]:.0%}"
+        f"the squared error is spread: rho_d {albedo:.0%}, rho_s {shares[RHO_S]:.0%}, alpha "
+        f"{shares[ALPHA]:.0%}"
     )
 
 

@@ -18,6 +18,7 @@ import torch
 from numpy.typing import NDArray
 
 from reflest_core.brdf import srgb
+from reflest_core.brdf.parameters import ALPHA, RHO_D, RHO_S
 from reflest_core.brdf.sampling import sample_specular, specular_weight
 from reflest_core.models.normalisation import ParameterStatistics
 from reflest_core.surface.observed_surface import ObservedSurface
@@ -128,7 +129,7 @@ class _Problem:
         self.mean = torch.from_numpy(statistics.mean).float()
         self.stddev = torch.from_numpy(statistics.stddev).float()
         polar = (torch.arange(ROWS) + 0.5) * math.pi / ROWS
-        azimuth = (torch.arange(COLUMNS) + 0.5) * 2 * math.pi / COLUMNS - math.pi
+        azimuth = (0.5 - (torch.arange(COLUMNS) + 0.5) / COLUMNS) * 2 * math.pi
         theta, phi = torch.meshgrid(polar, azimuth, indexing="ij")
         directions = torch.stack(
             [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()], dim=-1
@@ -169,10 +170,10 @@ class _Problem:
 
     def _radiance(self, ward: Tensor, light: Tensor) -> Tensor:
         """(P, 3) linear radiance; distant light, no shadows."""
-        matt = ward[:3] * (self.diffuse @ light.view(-1, 3))
+        matt = ward[RHO_D] * (self.diffuse @ light.view(-1, 3))
         omega_o = self.view.omega_o[:, None]
-        omega_i = sample_specular(ward[4], omega_o, self.strata)
-        weight = specular_weight(ward[3], omega_i, omega_o)
+        omega_i = sample_specular(ward[ALPHA], omega_o, self.strata)
+        weight = specular_weight(ward[RHO_S], omega_i, omega_o)
         world = torch.einsum("pji,psj->psi", self.view.frames, omega_i)
         glossy = (weight[..., None] * _look_up(light, world)).mean(dim=1)
         radiance: Tensor = matt + glossy
@@ -184,9 +185,9 @@ def _ward(material: Tensor) -> Tensor:
 
 
 def _look_up(light: Tensor, directions: Tensor) -> Tensor:
-    """Bilinear radiance (P, S, 3) of a lat-long map (ROWS, COLUMNS, 3)."""
+    """Bilinear radiance (P, S, 3) of an equirectangular map (ROWS, COLUMNS, 3)."""
     padded = torch.cat([light[:, -1:], light, light[:, :1]], dim=1).permute(2, 0, 1)[None]
-    azimuth = torch.atan2(directions[..., 1], directions[..., 0])
+    azimuth = -torch.atan2(directions[..., 1], directions[..., 0])
     polar = torch.acos(directions[..., 2].clamp(-0.9999, 0.9999))
     grid = torch.stack([azimuth / math.pi * COLUMNS / (COLUMNS + 2), polar * 2 / math.pi - 1], -1)
     found = torch.nn.functional.grid_sample(

@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf.parameters import PARAMETERS
 from reflest_core.inference.material import Explanation
 from reflest_core.jit import compiled
 from reflest_core.models.dense_layer import DenseLayer
@@ -42,7 +43,7 @@ SHAPES: dict[str, tuple[int, ...]] = {
     "regressor.2.weight": (128, 128),
     "regressor.2.bias": (128,),
     "regressor.4.weight": (5, 128),
-    "regressor.4.bias": (5,),
+    "regressor.4.bias": (len(PARAMETERS),),
 }
 
 SEED = 0

@@ -7,6 +7,7 @@ from __future__ import annotations
 import torch
 from torch import nn
 
+from reflest_core.brdf.parameters import PARAMETERS
 from reflest_core.models.grouplet.grouplets import BRANCH_INPUTS, BRANCHES
 
 
@@ -22,7 +23,11 @@ class Grouplet(nn.Module):
             nn.Linear(BRANCHES * 128 + 3, 256), nn.Tanh(), nn.Linear(256, 128), nn.Tanh()
         )
         self.regressor = nn.Sequential(
-            nn.Linear(256, 128), nn.Tanh(), nn.Linear(128, 128), nn.Tanh(), nn.Linear(128, 5)
+            nn.Linear(256, 128),
+            nn.Tanh(),
+            nn.Linear(128, 128),
+            nn.Tanh(),
+            nn.Linear(128, len(PARAMETERS)),
         )
 
     def forward(self, branches: torch.Tensor, normals: torch.Tensor) -> torch.Tensor:

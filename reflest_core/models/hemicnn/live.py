@@ -8,6 +8,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from reflest_core.brdf.parameters import PARAMETERS
 from reflest_core.inference.material import Explanation
 from reflest_core.models.dense_layer import DenseLayer
 from reflest_core.models.hemicnn.hemisphere_images import hemisphere_images
@@ -26,7 +27,7 @@ SHAPES: dict[str, tuple[int, ...]] = {
     "fc2.weight": (32, 64),
     "fc2.bias": (32,),
     "fc3.weight": (5, 32),
-    "fc3.bias": (5,),
+    "fc3.bias": (len(PARAMETERS),),
 }
 
 Array = NDArray[np.float32]

@@ -7,6 +7,8 @@ from __future__ import annotations
 import torch
 from torch import nn
 
+from reflest_core.brdf.parameters import PARAMETERS
+
 
 class HemiCNN(nn.Module):
     """(B, N, 3, 10, 10) colours in [0, 1] to (B, 5) z-scored parameters; 14,293 weights."""
@@ -18,7 +20,7 @@ class HemiCNN(nn.Module):
         self.pool = nn.MaxPool2d(2)
         self.fc1 = nn.Linear(16 * 3 * 3, 64)
         self.fc2 = nn.Linear(64, 32)
-        self.fc3 = nn.Linear(32, 5)
+        self.fc3 = nn.Linear(32, len(PARAMETERS))
 
     def forward(self, images: torch.Tensor) -> torch.Tensor:
         """Describe each voxel, keep the largest response over voxels, regress."""

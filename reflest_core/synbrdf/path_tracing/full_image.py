@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
 from reflest_core.capture.camera import CameraIntrinsics
-from reflest_core.light.equirectangular_lookup import radiance_from
+from reflest_core.light.equirectangular import radiance_from
 from reflest_core.synbrdf.path_tracing.mitsuba_scene import (
     RadianceTracer,
     first_hits,

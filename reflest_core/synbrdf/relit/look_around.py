@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.light.equirectangular_lookup import radiance_from
+from reflest_core.light.equirectangular import radiance_from
 from reflest_core.synbrdf.relit.scene_light import Background, pixel_rays
 from reflest_core.synbrdf.scenes.exposure import expose
 

@@ -23,7 +23,7 @@ from reflest_core.inference.transport.ward_lobe import reflected
 from reflest_core.light import rgbe
 from reflest_core.light.completion import LightPyramid, levels_below
 from reflest_core.light.cosine_weights import cosine_weights
-from reflest_core.light.equirectangular_lookup import radiance_from
+from reflest_core.light.equirectangular import radiance_from
 from reflest_core.light.octahedral import (
     octahedral_directions,
     octahedral_solid_angles,

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.light.equirectangular_lookup import radiance_from
+from reflest_core.light.equirectangular import radiance_from
 from reflest_core.synbrdf.room.furnishing import Stage
 from reflest_core.synbrdf.room.geometry import (
     LIGHT_TEXELS,

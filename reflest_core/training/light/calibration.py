@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from reflest_core.brdf.parameters import ALPHA, RHO_D, RHO_S
 from reflest_core.models.calibration import Calibration
 from reflest_core.training.light.measured_looks import HALF_WIDTH, HELD_SHARE, MeasuredLooks
 
-KINDS = (slice(0, 3), slice(3, 4), slice(4, 5))
+KINDS = (RHO_D, slice(RHO_S, RHO_S + 1), slice(ALPHA, ALPHA + 1))
 """The channels of ``rho_d``, which pass the same weights and so share their calibration: which of
 them erred more is what the few lights that were held out had, not the network; ``rho_s``;
 ``alpha``."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
+from reflest_core.brdf.parameters import RHO_D, RHO_S
 from reflest_core.models.grouplet.grouplets import BRANCHES
 from reflest_core.models.registry import Inputs
 from reflest_core.training.ahead import made_ahead
@@ -37,7 +38,7 @@ def draw_batch(drawer: SceneDrawer, recipe: Recipe, minibatch: int, part: int = 
     ward = drawer.packed.ward[drawn.scenes]
     return Batch(
         _inputs(drawer, drawn, recipe, generator),
-        torch.cat([drawn.swap(ward[:, :3]), ward[:, 3:]], dim=1),
+        torch.cat([drawn.swap(ward[:, RHO_D]), ward[:, RHO_S:]], dim=1),
         drawn.swap(drawer.view_means(drawer.packed.foreground, drawn.scenes)),
         drawn.swap(drawer.view_means(drawer.packed.background, drawn.scenes)),
     )

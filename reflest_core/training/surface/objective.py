@@ -10,6 +10,7 @@ import torch
 from reflest_core.brdf.gloss import labcd_to_ward, ward_to_labcd
 from reflest_core.brdf.half_angle import HalfAngleQuadrature
 from reflest_core.brdf.losses import colour_constancy, cube_root, parameter_distance
+from reflest_core.brdf.parameters import ALPHA, RHO_D, RHO_S
 from reflest_core.models.normalisation import ParameterStatistics
 from reflest_core.training.recipe import Recipe
 from reflest_core.training.surface.batches import Batch
@@ -30,7 +31,7 @@ class Objective:
         self.recipe = recipe
         self.mean = torch.from_numpy(statistics.mean.astype(np.float32)).to(device)
         self.stddev = torch.from_numpy(statistics.stddev.astype(np.float32)).to(device)
-        self.least = torch.tensor([-torch.inf] * 4 + [SMALLEST_ALPHA], device=device)
+        self.least = torch.tensor([-torch.inf] * ALPHA + [SMALLEST_ALPHA], device=device)
         made = HalfAngleQuadrature.make(*QUADRATURE)
         self.quadrature = HalfAngleQuadrature(
             made.omega_i.to(device), made.omega_o.to(device), made.weights.to(device)
@@ -42,7 +43,7 @@ class Objective:
         if self.recipe.colour_constancy:
             ward = self._as_ward(scores)
             loss = loss + self.recipe.colour_constancy * colour_constancy(
-                ward[:, :3], ward[:, 3], batch.foreground, batch.background
+                ward[:, RHO_D], ward[:, RHO_S], batch.foreground, batch.background
             )
         return loss.mean()
 

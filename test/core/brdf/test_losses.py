@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import torch
 
-from reflest_core.brdf.albedo import specular_albedo
 from reflest_core.brdf.half_angle import HalfAngleQuadrature
 from reflest_core.brdf.losses import colour_constancy, cube_root, parameter_distance
 from reflest_core.brdf.parameters import WardVariant
+from reflest_core.brdf.sampling import specular_albedo
 
 QUADRATURE = HalfAngleQuadrature.make(96, 24, 24, dtype=torch.float64)
 

@@ -9,10 +9,23 @@ import pytest
 from scipy.stats import chisquare
 
 from reflest_core.brdf.parameters import WardVariant
-from reflest_core.brdf.sampling import sample_specular, specular_density, specular_weight
+from reflest_core.brdf.sampling import sample_specular, specular_weight
 from reflest_core.brdf.ward import specular
 
 OMEGA_O = np.array([math.sin(0.7), 0.0, math.cos(0.7)])
+
+
+def specular_density(alpha, omega_i, omega_o):
+    """Density (...) of sampled directions per steradian of ``omega_i``.
+
+    The half vector carries Ward's Gaussian of tan theta_h; the mirror map has Jacobian 1/(4 h.o).
+    """
+    half = omega_i + omega_o
+    length = np.linalg.norm(half, axis=-1)
+    cos_h = half[..., 2] / length
+    tan_squared = 1 / cos_h**2 - 1
+    density_h = np.exp(-tan_squared / alpha**2) / (math.pi * alpha**2 * cos_h**3)
+    return np.where(cos_h > 0, density_h / (2 * length), 0.0)
 
 
 def sphere_grid(rows, columns):

@@ -16,8 +16,8 @@ from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.light.equirectangular import (
     equirectangular_directions,
     equirectangular_solid_angles,
+    radiance_from,
 )
-from reflest_core.light.equirectangular_lookup import radiance_from
 from reflest_core.light.known_light import KnownLightError
 from reflest_core.light.light_map import SIZE, ObservedLight
 from reflest_core.light.octahedral import octahedral_directions, octahedral_solid_angles

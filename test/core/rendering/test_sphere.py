@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from reflest_core.brdf.parameters import WardParameters, WardVariant
-from reflest_core.rendering.environments import irradiance, look_up, studio
+from reflest_core.light.equirectangular import equirectangular_directions
+from reflest_core.rendering.environments import irradiance, studio
 from reflest_core.rendering.sphere import render_environment, render_point_light, tone_map
 
 MATTE = WardParameters((0.6, 0.4, 0.2), 0.0, 0.1)
@@ -28,7 +29,7 @@ def test_a_smooth_glossy_sphere_in_a_white_furnace_adds_its_strength():
 
 def test_a_mirror_like_sphere_reflects_what_is_behind_the_camera():
     environment = np.zeros((64, 128, 3), np.float32)
-    environment[24:40, 24:40] = (0, 5, 0)  # azimuth -pi/2: the camera's side, on the horizon
+    environment[24:40, 88:104] = (0, 5, 0)  # azimuth -pi/2: the camera's side, on the horizon
     sphere = WardParameters((0.0, 0.0, 0.0), 1.0, 0.01)
     image = render_environment(sphere, environment, 64)
     assert image[32, 32, 1] > 3
@@ -60,13 +61,15 @@ def test_studio_is_deterministic_positive_and_brighter_above():
     assert up.mean() > down.mean()
 
 
-def test_look_up_finds_the_texel_of_a_direction():
-    environment = np.zeros((8, 16, 3), np.float32)
-    environment[0] = 1
-    environment[3:5, 8] = 2  # just past azimuth 0, on the horizon
-    assert look_up(environment, np.array([0.0, 0, 1]))[0] == 1
-    assert look_up(environment, np.array([1.0, 0.01, 0.01]) / 1.0001)[0] == 2
-    assert look_up(environment, np.array([-1.0, 0, 0.0]))[0] == 0
+def test_the_sphere_stands_before_the_background_as_an_onlooker_sees_it():
+    """A mirror ball shows on its right side what lies to the right, as does the background."""
+    right = equirectangular_directions(64)[..., 0] > 0.0  # +x: the camera at -y looks along +y
+    environment = np.where(right[..., None], [5.0, 0.0, 0.0], [0.0, 5.0, 0.0]).astype(np.float32)
+    image = render_environment(WardParameters((0.0, 0.0, 0.0), 1.0, 0.01), environment, 64)
+    assert image[32, 63].tolist() == [5, 0, 0]
+    assert image[32, 0].tolist() == [0, 5, 0]
+    assert image[32, 48].argmax() == 0
+    assert image[32, 16].argmax() == 1
 
 
 def test_tone_map_clips_and_encodes():

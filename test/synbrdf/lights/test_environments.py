@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from reflest_core.errors import ReflestError
-from reflest_core.light.equirectangular import equirectangular_directions
-from reflest_core.light.equirectangular_lookup import radiance_from
+from reflest_core.light.equirectangular import equirectangular_directions, radiance_from
 from reflest_core.synbrdf.lights.environments import (
     EnvironmentUnreadable,
     find_environments,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from reflest_core.brdf import ward
-from reflest_core.brdf.albedo import specular_albedo
 from reflest_core.brdf.parameters import WardParameters, WardVariant
+from reflest_core.brdf.sampling import specular_albedo
 
 bsdf_module = pytest.importorskip("reflest_core.synbrdf.path_tracing.ward_bsdf")
 mi = bsdf_module.mi

@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip("mitsuba")
 
-from reflest_core.light.equirectangular_lookup import radiance_from
+from reflest_core.light.equirectangular import radiance_from
 from reflest_core.light.light_map import LightMap
 from reflest_core.light.octahedral import octahedral_directions
 from reflest_core.synbrdf.lights.environments import procedural_skies

@@ -16,7 +16,7 @@ pytest.importorskip("mitsuba")
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.cli.main import main
-from reflest_core.light.equirectangular_lookup import radiance_from
+from reflest_core.light.equirectangular import radiance_from
 from reflest_core.synbrdf.generation.whole_folder import FolderUnwritable
 from reflest_core.synbrdf.lights.environments import find_environments, load_environment, rotated
 from reflest_core.synbrdf.scenes.exposure import expose

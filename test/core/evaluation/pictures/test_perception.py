@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reflest_core.brdf import srgb
-from reflest_core.brdf.albedo import specular_albedo
+from reflest_core.brdf.sampling import specular_albedo
 from reflest_core.evaluation.pictures import swatches
 from reflest_core.evaluation.pictures.bumpy import bumpy_sphere, sphere
 from reflest_core.evaluation.pictures.image_distance import image_distance

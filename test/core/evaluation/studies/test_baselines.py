@@ -62,7 +62,7 @@ def test_the_optimiser_undoes_its_own_rendering():
     problem = _Problem(view, STATISTICS, effort, prior)
     truth = torch.tensor([0.1, 0.3, 0.6, 0.05, 0.12])
     light = torch.full((16, 32, 3), float(np.exp(prior.log_mean)))
-    light[3:6, 5:9] = 6.0
+    light[3:6, 23:27] = 6.0
     seen = srgb.encode(problem._radiance(truth, light))
     problem = _Problem(dataclasses.replace(view, colours=seen), STATISTICS, effort, prior)
     _, estimate = problem.solve(0.1)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reflest_core.brdf import srgb
-from reflest_core.brdf.albedo import specular_albedo
+from reflest_core.brdf.sampling import specular_albedo
 from reflest_core.inference.material import explain
 from reflest_core.inference.transport.irradiance import mean_radiance
 from reflest_core.inference.transport.ward_lobe import ROUGHNESSES, lobe_radiance

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from reflest_core.brdf.albedo import specular_albedo
 from reflest_core.brdf.parameters import WardVariant
+from reflest_core.brdf.sampling import specular_albedo
 from reflest_core.brdf.ward import specular
 
 

@@ -1,0 +1,212 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""BRDF models behind one protocol: a model names its parameters, and is evaluated and sampled.
+
+A material is a vector of the model's parameters. To add a model, write a class with the members of
+:class:`BrdfModel` and put an instance into :data:`MODELS`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.brdf import sampling, ward
+from reflest_core.brdf.ggx import ggx_density, ggx_lobe, sample_ggx
+from reflest_core.brdf.parameters import (
+    ALPHA,
+    PARAMETERS,
+    RHO_D,
+    RHO_S,
+    SMALLEST_ALPHA,
+    WardVariant,
+)
+
+Array = Any
+
+
+@dataclass(frozen=True)
+class BrdfParameter:
+    """One value of a material's vector.
+
+    Attributes:
+        name: As it is printed.
+        lowest: Smallest physical value.
+        highest: Largest physical value.
+    """
+
+    name: str
+    lowest: float
+    highest: float
+
+
+class BrdfModel(Protocol):
+    """An isotropic BRDF in linear sRGB; directions are unit vectors with +z on the normal."""
+
+    @property
+    def name(self) -> str:
+        """What files and messages call the model."""
+
+    @property
+    def parameters(self) -> tuple[BrdfParameter, ...]:
+        """The P values of a material's vector, in order."""
+
+    def evaluate(self, material: Array, omega_i: Array, omega_o: Array) -> Array:
+        """Evaluate the BRDF.
+
+        Args:
+            material: (..., P) vectors.
+            omega_i: (..., 3) directions of incidence.
+            omega_o: (..., 3) directions to the camera.
+
+        Returns:
+            (..., 3) in 1/sr; 0 where a direction lies below the surface.
+        """
+
+    def sample(self, material: Array, omega_o: Array, u: Array) -> tuple[Array, Array]:
+        """Draw directions of incidence from the specular lobe.
+
+        Args:
+            material: (P,) a vector.
+            omega_o: (..., 3) directions to the camera.
+            u: (..., 2) uniform in [0, 1).
+
+        Returns:
+            (..., 3) directions and (...) their weights ``f_s cos theta_i / density``.
+        """
+
+    def albedo(
+        self, material: NDArray[np.float64], cos_theta_o: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Integrate the BRDF over light that comes from everywhere above.
+
+        Args:
+            material: (P,) a vector.
+            cos_theta_o: (K,) cosines of the angle between normal and camera, in (0, 1].
+
+        Returns:
+            (K, 3) the reflected share.
+        """
+
+
+@dataclass(frozen=True)
+class Ward:
+    """Ward's model in one of its normalisations; vectors of ``rho_d`` (3), ``rho_s``, ``alpha``.
+
+    Attributes:
+        variant: The specular normalisation.
+    """
+
+    variant: WardVariant = WardVariant.WARD_1992
+
+    @property
+    def name(self) -> str:
+        """The variant's name."""
+        return self.variant.value
+
+    @property
+    def parameters(self) -> tuple[BrdfParameter, ...]:
+        """``rho_d`` (3), ``rho_s``, ``alpha``."""
+        lowest = (0.0, 0.0, 0.0, 0.0, SMALLEST_ALPHA)
+        return tuple(map(BrdfParameter, PARAMETERS, lowest, (1.0, 1.0, 1.0, 1.0, 1.0)))
+
+    def evaluate(self, material: Array, omega_i: Array, omega_o: Array) -> Array:
+        """Evaluate the BRDF, see :meth:`BrdfModel.evaluate`; numpy or torch."""
+        rho_d, rho_s, alpha = material[..., RHO_D], material[..., RHO_S], material[..., ALPHA]
+        return ward.evaluate(rho_d, rho_s, alpha, omega_i, omega_o, self.variant)
+
+    def sample(self, material: Array, omega_o: Array, u: Array) -> tuple[Array, Array]:
+        """Draw directions of incidence, see :meth:`BrdfModel.sample`; numpy or torch."""
+        omega_i = sampling.sample_specular(material[ALPHA], omega_o, u)
+        return omega_i, sampling.specular_weight(material[RHO_S], omega_i, omega_o, self.variant)
+
+    def albedo(
+        self, material: NDArray[np.float64], cos_theta_o: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Integrate the BRDF, see :meth:`BrdfModel.albedo`."""
+        return np.asarray(material[RHO_D] + _specular_albedo(self, material, cos_theta_o)[:, None])
+
+
+@dataclass(frozen=True)
+class Ggx:
+    """The microfacet model of glTF 2.0 without metal: ``base (1 - F) / pi + F D V``.
+
+    ``F`` is Schlick's Fresnel term; vectors of ``base`` (3), ``f0``, ``alpha``.
+    """
+
+    @property
+    def name(self) -> str:
+        """``ggx``."""
+        return "ggx"
+
+    @property
+    def parameters(self) -> tuple[BrdfParameter, ...]:
+        """``base`` (3, linear sRGB), ``f0`` at normal incidence and the GGX width ``alpha``."""
+        names = ("base r", "base g", "base b", "f0", "alpha")
+        lowest = (0.0, 0.0, 0.0, 0.0, SMALLEST_ALPHA)
+        return tuple(map(BrdfParameter, names, lowest, (1.0, 1.0, 1.0, 1.0, 1.0)))
+
+    def evaluate(self, material: Array, omega_i: Array, omega_o: Array) -> Array:
+        """Evaluate the BRDF, see :meth:`BrdfModel.evaluate`; numpy."""
+        fresnel = _schlick(material[..., 3], omega_i, omega_o)
+        above = (omega_i[..., 2] > 0) & (omega_o[..., 2] > 0)
+        diffuse = material[..., :3] * (1 - fresnel)[..., None] / math.pi
+        lobe = fresnel * ggx_lobe(material[..., 4], omega_i, omega_o)
+        return np.where(above[..., None], diffuse + lobe[..., None], 0.0)
+
+    def sample(self, material: Array, omega_o: Array, u: Array) -> tuple[Array, Array]:
+        """Draw directions of incidence, see :meth:`BrdfModel.sample`; numpy."""
+        omega_i = sample_ggx(material[4], omega_o, u)
+        reflected = _schlick(material[3], omega_i, omega_o) * ggx_lobe(
+            material[4], omega_i, omega_o
+        )
+        density = ggx_density(material[4], omega_i, omega_o)
+        return omega_i, reflected * np.clip(omega_i[..., 2], 0, None) / density
+
+    def albedo(
+        self, material: NDArray[np.float64], cos_theta_o: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Integrate the BRDF, see :meth:`BrdfModel.albedo`."""
+        specular = _specular_albedo(self, material, cos_theta_o)
+        return np.asarray(specular[:, None] + material[:3] * self._passed(material[3], cos_theta_o))
+
+    @staticmethod
+    def _passed(f0: float, cos_theta_o: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(K, 1) cosine-weighted mean over the hemisphere of what the facets let through."""
+        u = sampling.strata()
+        radius, turn = np.sqrt(u[:, 0]), 2 * math.pi * u[:, 1]
+        omega_i = np.stack(
+            [radius * np.cos(turn), radius * np.sin(turn), np.sqrt(1 - u[:, 0])], axis=-1
+        )
+        fresnel: NDArray[np.float64] = _schlick(f0, omega_i, _directions(cos_theta_o))
+        return np.asarray(1 - fresnel.mean(axis=1, keepdims=True))
+
+
+MODELS: dict[str, BrdfModel] = {
+    **{variant.value: Ward(variant) for variant in WardVariant},
+    Ggx().name: Ggx(),
+}
+"""Every model by its name."""
+
+
+def _schlick(f0: Array, omega_i: Array, omega_o: Array) -> Array:
+    half_dot_o = np.linalg.norm(omega_i + omega_o, axis=-1) / 2
+    return f0 + (1 - f0) * np.clip(1 - half_dot_o, 0, 1) ** 5
+
+
+def _directions(cos_theta_o: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(K, 1, 3) directions to the camera."""
+    sine = np.sqrt(1 - cos_theta_o**2)
+    return np.stack([sine, np.zeros_like(sine), cos_theta_o], axis=-1)[:, None]
+
+
+def _specular_albedo(
+    model: BrdfModel, material: NDArray[np.float64], cos_theta_o: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    _, weights = model.sample(material, _directions(cos_theta_o), sampling.strata()[None])
+    mean: NDArray[np.float64] = weights.mean(axis=1)
+    return mean
