@@ -37,8 +37,8 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument(
         "--known-light",
         metavar="PATH",
-        help="an .hdr panorama of the room, or a scan saved there: for light that no camera saw; "
-        "of a folder of them the room that fits, however it is turned",
+        help="an .hdr or .exr panorama of the room, or a scan saved there: for light no camera "
+        "saw; of a folder of them the room that fits, however it is turned",
     )
     parser.add_argument("--model", help=f"one of {', '.join(MODELS)}")
     parser.add_argument("--weights", metavar="FILE", help="weights in place of the shipped ones")

@@ -118,15 +118,25 @@ class KnownRooms:
 
 
 def read_known_light(path: Path) -> KnownRooms | KnownLight:
-    """Of a folder all ``.hdr`` files and saved scans; of a file its light, in the world's axes.
+    """Read panoramas and saved scans.
 
-    Raises :class:`KnownLightError`.
+    Args:
+        path: A folder of ``.hdr`` and ``.exr`` panoramas and saved scans, rooms that the scan may
+            be in; or one such file, whose light is in the world's axes.
+
+    Returns:
+        The rooms, or the light.
+
+    Raises:
+        KnownLightError: A file cannot be used.
     """
     if not path.is_dir():
         return Room.read(path).known_light()
     files = sorted(file for file in path.iterdir() if not file.name.startswith("."))
     if not files:
-        raise KnownLightError(f"{NAME} = {path} is empty: put .hdr panoramas or saved scans there")
+        raise KnownLightError(
+            f"{NAME} = {path} is empty: put .hdr or .exr panoramas or saved scans there"
+        )
     return KnownRooms([Room.read(file) for file in files], str(path))
 
 

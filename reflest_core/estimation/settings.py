@@ -38,9 +38,9 @@ class EstimationSettings:
     )
     known_light: str = parameter(
         "",
-        "An .hdr panorama of the room, or an earlier scan saved there, in the world frame of the "
-        "poses: stands in for the light that no camera saw. A folder of such, of one or more rooms "
-        "in any turn about the vertical: the one that fits is taken.",
+        "An .hdr or .exr panorama of the room, or an earlier scan saved there, in the world frame "
+        "of the poses: stands in for the light that no camera saw. A folder of such, of one or "
+        "more rooms in any turn about the vertical: the one that fits is taken.",
     )
     low_coverage: float = parameter(
         0.15,

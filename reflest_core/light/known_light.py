@@ -33,7 +33,12 @@ class KnownLightError(ReflestError):
 
 @dataclass(frozen=True)
 class JoinedLight:
-    """``light`` of a scan with what was known before; ``problem``: why that was left out, or ""."""
+    """The light of a scan, with what was known before where that could be used.
+
+    Attributes:
+        light: The joined light, or the scan's own.
+        problem: Why known light was left out, or a warning about it, or "".
+    """
 
     light: ObservedLight
     problem: str = ""
@@ -41,16 +46,27 @@ class JoinedLight:
 
 @dataclass(frozen=True)
 class KnownLight:
-    """An octahedral map: ``radiance`` (N, N, 3), linear, any unit; ``is_known`` (N, N) bool.
+    """Light that was known before the scan, in the world frame of its poses.
 
-    In the world frame of the poses.
+    Attributes:
+        radiance: (N, N, 3) octahedral map, linear, any unit.
+        is_known: (N, N) bool.
+        warning: What a user should know of it, or "".
     """
 
     radiance: NDArray[np.float32]
     is_known: NDArray[np.bool_]
+    warning: str = ""
 
     def joined(self, light: ObservedLight) -> JoinedLight:
-        """``light`` with this one where it saw nothing, or only a lower bound."""
+        """Fill in where a scan saw nothing, or only a lower bound.
+
+        Args:
+            light: What the scan saw.
+
+        Returns:
+            The joined light.
+        """
         shared = tells_ratios(light) & self.is_known & (self.radiance.min(axis=-1) > 0.0)
         if shared.sum() < FEWEST:
             return JoinedLight(
@@ -77,10 +93,17 @@ class KnownLight:
         radiance[bounds] = np.maximum(radiance[bounds], known[bounds])
         coverage = np.where(takes, np.float32(1.0), light.coverage)
         clipped = np.where(bounds, np.float32(0.0), light.clipped)
-        return JoinedLight(ObservedLight(radiance, coverage, clipped))
+        return JoinedLight(ObservedLight(radiance, coverage, clipped), self.warning)
 
 
 def tells_ratios(light: ObservedLight) -> NDArray[np.bool_]:
-    """(N, N): the directions of which the camera saw the value, and no noise of 8 bits."""
+    """Find the directions of which the camera saw the value, above the noise of 8 bits.
+
+    Args:
+        light: What was seen.
+
+    Returns:
+        (N, N) bool.
+    """
     is_value = (light.coverage > 0.0) & (light.any_clipped == 0.0)
     return np.asarray(is_value & (light.radiance.min(axis=-1) > DARKEST))

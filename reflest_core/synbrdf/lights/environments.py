@@ -139,4 +139,4 @@ def _read(source: EnvironmentSource) -> NDArray[np.float32]:
             return np.asarray(archive[source.member], np.float32)
     if source.path.suffix.lower() == ".ktx":
         return look_up(read_cubemap(source.path), equirectangular_directions(CUBEMAP_HEIGHT))
-    return read_radiance(source.path)
+    return read_radiance(source.path).radiance

@@ -29,11 +29,6 @@ def write_exr(path: Path, image: NDArray[np.float32]) -> None:
         raise OSError(str(error)) from error
 
 
-def read_exr(path: Path) -> NDArray[np.float32]:
-    """(H, W, 3) float32."""
-    return np.array(mi.Bitmap(str(path)).convert(mi.Bitmap.PixelFormat.RGB), dtype=np.float32)
-
-
 def write_rgb(path: Path, image: NDArray[np.uint8], quality: int | None = None) -> None:
     """(H, W, 3) uint8 sRGB as .png, or .jpg of a ``quality``."""
     options = [] if quality is None else [cv2.IMWRITE_JPEG_QUALITY, quality]

@@ -6,12 +6,14 @@ import dataclasses
 
 import cv2
 import numpy as np
+import OpenEXR
 import pytest
 
 from reflest_core.environment.known_rooms import KnownRooms, read_known_light
 from reflest_core.environment.room import Room, turned
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.light import rgbe
 from reflest_core.light.equirectangular import equirectangular_directions
 from reflest_core.light.known_light import KnownLight, KnownLightError
 from reflest_core.light.light_map import SIZE, ObservedLight
@@ -138,3 +140,39 @@ def test_a_folder_of_no_use_is_refused_by_name(tmp_path, content, reason):
         (tmp_path / "notes").write_text(content)
     with pytest.raises(KnownLightError, match=rf"estimation\.known_light.*{reason}"):
         read_known_light(tmp_path)
+
+
+def test_an_exr_panoramas_alpha_says_what_is_known(tmp_path):
+    radiance = brightness(1, equirectangular_directions(HEIGHT))
+    alpha = np.ones((HEIGHT, 2 * HEIGHT, 1), np.float32)
+    alpha[:, :HEIGHT] = 0.0
+    pixels = {"RGBA": np.concatenate([radiance, alpha], axis=-1)}
+    OpenEXR.File({"type": OpenEXR.scanlineimage}, pixels).write(str(tmp_path / "room.exr"))
+    known = read_known_light(tmp_path / "room.exr")
+    is_right = octahedral_directions(SIZE)[..., 1] < -0.05  # the image's right half
+    is_left = octahedral_directions(SIZE)[..., 1] > 0.05
+    assert known.is_known[is_right].all()
+    assert not known.is_known[is_left].any()
+    assert known.warning == ""
+
+
+def test_an_exr_that_knows_nothing_is_refused(tmp_path):
+    pixels = {"RGBA": np.zeros((8, 16, 4), np.float32)}
+    OpenEXR.File({"type": OpenEXR.scanlineimage}, pixels).write(str(tmp_path / "room.exr"))
+    with pytest.raises(KnownLightError, match="no pixel with alpha"):
+        read_known_light(tmp_path / "room.exr")
+
+
+def test_an_hdr_of_our_own_is_used_with_a_warning(tmp_path):
+    radiance = brightness(1, equirectangular_directions(HEIGHT))
+    path = tmp_path / "light.hdr"
+    path.write_bytes(
+        b"#?RADIANCE\nSOFTWARE=reflest\nFORMAT=32-bit_rle_rgbe\n\n"
+        + f"-Y {HEIGHT} +X {2 * HEIGHT}\n".encode()
+        + rgbe.encode(radiance).tobytes()
+    )
+    known = read_known_light(path)
+    assert known.is_known.all()
+    joined = known.joined(seen(1, 0.0))
+    assert joined.light.coverage.all()
+    assert "export it as .exr" in joined.problem

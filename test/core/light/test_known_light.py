@@ -158,7 +158,7 @@ def test_a_file_that_is_of_no_use_is_refused_by_name(tmp_path, image, reason):
 
 def test_a_file_that_is_no_scan_is_refused_by_name(tmp_path):
     (tmp_path / "notes.txt").write_text("the lamp is on the left")
-    with pytest.raises(KnownLightError, match=r"neither an \.hdr file nor a scan: .*notes\.txt"):
+    with pytest.raises(KnownLightError, match=r"neither an .* panorama nor a scan: .*notes\.txt"):
         Room.read(tmp_path / "notes.txt")
 
 

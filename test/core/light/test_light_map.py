@@ -55,7 +55,10 @@ def test_pixels_come_back_as_mean_linear_radiance_with_their_clipping():
     assert seen.clipped[row, column].tolist() == [0.5, 0.0, 0.0]
     assert seen.any_clipped[row, column] == 0.5
     assert seen.coverage.sum() == 2
-    assert seen.seen_share == pytest.approx(2 / SIZE**2, rel=2)
+    angles = octahedral_solid_angles(SIZE)
+    below = octahedral_texel(0.0, 0.0, -1.0, SIZE)
+    share = (angles[row, column] + angles[below]) / (4 * np.pi)
+    assert seen.seen_share == pytest.approx(share, rel=1e-4)
 
 
 def test_what_was_observed_is_a_copy():

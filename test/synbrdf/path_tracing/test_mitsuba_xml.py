@@ -9,9 +9,9 @@ import pytest
 pytest.importorskip("mitsuba")
 
 from reflest_core.cli.main import main
+from reflest_core.light.environment_reader import read_radiance
 from reflest_core.synbrdf.generation.data_set import Generation
 from reflest_core.synbrdf.path_tracing.full_image import FullImageRenderer
-from reflest_core.synbrdf.path_tracing.image_files import read_exr
 from reflest_core.synbrdf.path_tracing.mitsuba_scene import (
     RadianceTracer,
     first_hits,
@@ -64,7 +64,7 @@ def test_its_sensors_see_what_our_camera_sees(folder, scene, rendered, tmp_path)
     out = tmp_path / "image.exr"
     arguments = [str(folder / "scene.xml"), "--sensor", "1", "--samples", "256"]
     assert main(["synbrdf", "render", *arguments, "--out", str(out)]) == 0
-    theirs = read_exr(out)
+    theirs = read_radiance(out).radiance
     image = FullImageRenderer(CAMERA, 256).render(
         rendered, scene.light.radiance, scene.poses[5], seed=1
     )

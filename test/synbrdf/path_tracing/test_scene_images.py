@@ -12,8 +12,8 @@ pytest.importorskip("mitsuba")
 
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.cli.main import main
+from reflest_core.light.environment_reader import read_radiance
 from reflest_core.synbrdf.generation.data_set import Generation
-from reflest_core.synbrdf.path_tracing.image_files import read_exr
 from reflest_core.synbrdf.path_tracing.sparse_scene import SparseRenderer, SparseSettings
 from reflest_core.synbrdf.realism.degrade import degrade
 from reflest_core.synbrdf.realism.settings import Realism
@@ -45,7 +45,7 @@ def sparse():
 
 def image(folder, view, ending):
     path = folder / f"frame-{view:06d}{ending}"
-    return read_exr(path) if ending.endswith("exr") else cv2.imread(str(path), -1)
+    return read_radiance(path).radiance if ending.endswith("exr") else cv2.imread(str(path), -1)
 
 
 def pixels_of(sparse, view, pose):
