@@ -29,9 +29,8 @@ from benchmarks.scene.table_scene import table_settings
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
-from reflest_core.models.model_choice import MODELS
-from reflest_core.models.registry import LIVE_DRAW, NETWORKS, Inputs
-from reflest_core.models.weights import SHIPPED, load_weights, shipped_models
+from reflest_core.models.registry import models, network_of_model, shipped_models
+from reflest_core.models.weights import load_weights
 from reflest_core.surface.voxel_choice import choose_voxels
 
 WARM_UP = 3
@@ -90,21 +89,24 @@ def _peers(
     model: str, snapshot: KeyframeSnapshot, count: int, is_compiled: bool
 ) -> dict[str, list[Timing]]:
     """The network as the module that was trained, run by PyTorch on the same features."""
-    choice = MODELS[model]
-    kind = NETWORKS[choice.network]
-    tensors = load_weights(SHIPPED / choice.file)[0]
-    module = kind.make()
+    network, choice = network_of_model(model), models()[model]
+    assert choice.weights is not None, "only shipped models are measured"
+    tensors = load_weights(choice.weights)[0]
+    module = network.module()
     module.load_state_dict({name: torch.from_numpy(values) for name, values in tensors.items()})
     module.eval()
     voxels = choose_voxels(snapshot.surface, choice.voxels)
-    inputs = kind.features(snapshot.surface, voxels, LIVE_DRAW)
+    features = network.features(snapshot.surface, voxels)
+    inputs = tuple(torch.from_numpy(values) for values in features)
     runners: dict[str, Callable[..., torch.Tensor]] = {EAGER: module}
     if is_compiled:
         runners[COMPILED] = torch.compile(module)
     return {name: _run(run, inputs, count) for name, run in runners.items()}
 
 
-def _run(run: Callable[..., torch.Tensor], inputs: Inputs, count: int) -> list[Timing]:
+def _run(
+    run: Callable[..., torch.Tensor], inputs: tuple[torch.Tensor, ...], count: int
+) -> list[Timing]:
     clock = StageClock(())
     with torch.inference_mode():
         for number in range(WARM_UP + count):

@@ -20,7 +20,7 @@ from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.estimation.warm_up import warm_up
 from reflest_core.fusion.settings import FusionSettings
-from reflest_core.models.weights import shipped_models
+from reflest_core.models.registry import shipped_models
 
 BUDGET_BYTES_PER_VOXEL = 1500
 """Enough that nothing of the floor is evicted."""

@@ -9,7 +9,7 @@ import dataclasses
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from reflest_core.training.recipe import Recipe
+    from reflest_core.models.recipe import Recipe
 
 CHANGES = (
     "optimiser",

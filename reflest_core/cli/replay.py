@@ -8,7 +8,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from reflest_core.models.model_choice import MODELS
+from reflest_core.models.registry import models
 
 EPILOG = """A capture is an .mcap or .db3 file, a rosbag2 directory, a 7-Scenes folder or a TUM
 folder. Topics are found by their types; name them where several would fit."""
@@ -40,7 +40,7 @@ def add_parser(subparsers: Any) -> None:
         help="an .hdr or .exr panorama of the room, or a scan saved there: for light no camera "
         "saw; of a folder of them the room that fits, however it is turned",
     )
-    parser.add_argument("--model", help=f"one of {', '.join(MODELS)}")
+    parser.add_argument("--model", help=f"one of {', '.join(models())}")
     parser.add_argument("--weights", metavar="FILE", help="weights in place of the shipped ones")
     parser.add_argument("--config", type=Path, metavar="YAML", help="a ROS parameter file")
     topics = parser.add_argument_group("topics of a bag")

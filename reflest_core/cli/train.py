@@ -1,27 +1,35 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""``reflest train``: networks from a SynBRDF folder."""
+"""``reflest train``: networks from SynBRDF folders."""
 
 from __future__ import annotations
 
 import argparse
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reflest_core.cli.light_options import (
-    add_light_options,
-    light_course,
-    light_recipe,
-    refuse_light_options,
-)
 from reflest_core.cli.recipe_options import add_recipe_options, changed_recipe
-from reflest_core.cli.training_run import follow, started
+from reflest_core.models.registry import network_named, networks
 from reflest_core.parameter import ParameterError
+from reflest_core.training.method import (
+    TrainingMethod,
+    refuse_options_of_others,
+    training_method,
+)
 
 if TYPE_CHECKING:
-    from reflest_core.training.data.sample_sets import TrainingData
+    from reflest_core.models.recipe import Recipe
     from reflest_core.training.processes import Processes
-    from reflest_core.training.recipe import Recipe
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """One training that the command asks for: what, by which recipe, where."""
+
+    name: str
+    recipe: Recipe
+    folder: Path
 
 
 def add_parser(subparsers: Any) -> None:
@@ -47,13 +55,7 @@ def add_parser(subparsers: Any) -> None:
         help="train nothing: write into OUT what training reads, a twelfth of the data's size",
     )
     what.add_argument(
-        "--model",
-        choices=("lightnet", "hemicnn", "grouplet"),
-        help="the latter two with --loss and --lambda",
-    )
-    parser.add_argument("--loss", choices=("rmse1", "rmse2", "cuberoot"), help="default: rmse1")
-    parser.add_argument(
-        "--lambda", dest="colour_constancy", type=float, help="weight of E_c (Eq. 4); default: 0"
+        "--model", metavar="NETWORK", help=f"a network, one of {', '.join(networks())}"
     )
     parser.add_argument(
         "--recipe", choices=("ours", "paper"), default="ours", help="what is not given otherwise"
@@ -63,18 +65,12 @@ def add_parser(subparsers: Any) -> None:
         dest="start",
         type=Path,
         metavar="WEIGHTS",
-        help="begin with these weights, of another variant perhaps; its last layer is made anew "
-        "where the loss is written in other parameters",
+        help="begin with these weights, of another variant perhaps; the last layer begins at "
+        "random where the loss is written in other parameters",
     )
     add_recipe_options(parser)
-    add_light_options(parser)
-    parser.add_argument(
-        "--realism",
-        nargs="*",
-        metavar="EFFECT",
-        help="train on every scene a second time, with the faults of a real capture; "
-        "no EFFECT: all of them",
-    )
+    for method in {network.training: None for network in networks().values()}:
+        training_method(method).add_options(parser)
     parser.add_argument("--device", default="auto", help="auto, cpu, cuda or cuda:N")
     parser.add_argument("--threads", type=int, help="CPU threads; default: all")
     parser.add_argument("--validate-every", type=int, default=1000, metavar="MINIBATCHES")
@@ -87,32 +83,22 @@ def run(arguments: argparse.Namespace) -> int:
     """Train to the end and say where the weights are."""
     import torch
 
-    from reflest_core.training.kept_memory import keep_freed_memory
-    from reflest_core.training.processes import joined_processes
-    from reflest_core.training.variants import VARIANTS
+    from reflest_core.training.processes import joined_processes, keep_freed_memory
 
     keep_freed_memory()
     if arguments.threads:
         torch.set_num_threads(arguments.threads)
     _refuse_contradictions(arguments)
     if arguments.pack:
-        from reflest_core.training.data.sample_sets import pack
-
-        pack(_load(arguments), arguments.out)
-        return 0
+        return _pack(arguments)
+    made = {path: training_method(path) for path in {n.training for n in networks().values()}}
+    methods = {name: made[network.training] for name, network in networks().items()}
+    wanted = _wanted(arguments)
+    for one in wanted:
+        refuse_options_of_others(methods[one.recipe.network], methods, arguments)
     with joined_processes(arguments.device) as processes:
-        if arguments.model == "lightnet":
-            _train_lightnet(arguments, processes)
-            return 0
-        data = _load(arguments)
-        if not arguments.all:
-            name = arguments.variant or arguments.model
-            _train(arguments, _base(arguments), data, arguments.out, name, processes)
-            return 0
-        for variant in VARIANTS:
-            folder = arguments.out / variant.name
-            recipe = variant.recipe(arguments.recipe)
-            _train(arguments, recipe, data, folder, variant.name, processes)
+        for one in wanted:
+            _train(one, methods[one.recipe.network], arguments, processes)
     return 0
 
 
@@ -123,57 +109,53 @@ def _refuse_contradictions(arguments: argparse.Namespace) -> None:
                 raise ParameterError("--loss and --lambda go with --model: a variant has its own")
     if arguments.all and arguments.start:
         raise ParameterError("--from goes with one variant or --model: --all has two networks")
-    if arguments.model != "lightnet":
-        refuse_light_options(arguments)
 
 
-def _load(arguments: argparse.Namespace) -> TrainingData:
-    from reflest_core.synbrdf.realism.settings import Realism, parse_effects
-    from reflest_core.training.data.sample import Degradation
-    from reflest_core.training.data.sample_sets import load_training_data
+def _pack(arguments: argparse.Namespace) -> int:
+    from reflest_core.training.data.sample_sets import pack
+    from reflest_core.training.surface.method import SurfaceTraining
 
-    if arguments.realism is None:
-        return load_training_data(arguments.data)
-    effects = parse_effects(arguments.realism or ["all"])
-    seed = 1 if arguments.seed is None else arguments.seed
-    return load_training_data(arguments.data, Degradation(Realism.only(effects), seed))
+    pack(SurfaceTraining().data(arguments), arguments.out)
+    return 0
+
+
+def _wanted(arguments: argparse.Namespace) -> list[_Wanted]:
+    from reflest_core.training.variants import VARIANTS, variant_named
+
+    origin = arguments.recipe
+    if arguments.all:
+        return [
+            _Wanted(variant.name, variant.recipe(origin), arguments.out / variant.name)
+            for variant in VARIANTS
+        ]
+    if arguments.variant:
+        variant = variant_named(arguments.variant)
+        return [_Wanted(variant.name, variant.recipe(origin), arguments.out)]
+    network = network_named(arguments.model)
+    if origin not in network.recipes:
+        raise ParameterError(f"the paper has no recipe for {network.name}: leave --recipe out")
+    return [_Wanted(network.name, network.recipes[origin], arguments.out)]
 
 
 def _train(
-    arguments: argparse.Namespace,
-    base: Recipe,
-    data: TrainingData,
-    folder: Path,
-    name: str,
-    processes: Processes,
+    wanted: _Wanted, method: TrainingMethod, arguments: argparse.Namespace, processes: Processes
 ) -> None:
-    from reflest_core.training.surface.surface_course import SurfaceCourse
-
-    recipe, start = started(changed_recipe(base, arguments, parts=processes.count), arguments)
-    course = SurfaceCourse(recipe, data, processes.device)
-    follow(course, len(data.training), arguments, folder, name, processes, start)
-
-
-def _train_lightnet(arguments: argparse.Namespace, processes: Processes) -> None:
-    from reflest_core.training.recipe import RECIPES
-
-    recipe = changed_recipe(RECIPES["lightnet"], arguments, parts=processes.count)
-    recipe, start = started(light_recipe(recipe, arguments), arguments)
-    course = light_course(recipe, arguments, processes)
-    looks = len(course.data.training)
-    follow(course, looks, arguments, arguments.out, "lightnet", processes, start)
-
-
-def _base(arguments: argparse.Namespace) -> Recipe:
-    """The recipe of --variant or --model before the options that change it."""
     import dataclasses
 
-    from reflest_core.training.recipe import PAPER_RECIPES, RECIPES
-    from reflest_core.training.variants import variant_named
+    from reflest_core.training.starting_weights import StartingWeights
+    from reflest_core.training.task import RunFolder
+    from reflest_core.training.trainer import Trainer
 
-    if arguments.variant:
-        return variant_named(arguments.variant).recipe(arguments.recipe)
-    base = {"ours": RECIPES, "paper": PAPER_RECIPES}[arguments.recipe][arguments.model]
-    return dataclasses.replace(
-        base, loss=arguments.loss or "rmse1", colour_constancy=arguments.colour_constancy or 0.0
-    )
+    recipe = changed_recipe(wanted.recipe, arguments, parts=processes.count)
+    recipe = method.recipe(recipe, arguments)
+    start = None
+    if arguments.start is not None:
+        start = StartingWeights.read(arguments.start, recipe)
+        recipe = dataclasses.replace(recipe, start=start.name)
+    task = method.task(network_named(recipe.network), recipe, arguments, processes)
+    folder = RunFolder(wanted.folder, wanted.name, arguments.validate_every, arguments.tensorboard)
+    if processes.is_first:
+        print(f"training {wanted.name} on {task.examples} examples: {recipe}", flush=True)
+    path = Trainer(task, folder, processes, start).run()
+    if processes.is_first:
+        print(f"weights: {path}", flush=True)

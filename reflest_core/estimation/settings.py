@@ -13,7 +13,7 @@ import yaml
 
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.fusion.settings import FusionSettings, KeyframeSettings, RegionSettings
-from reflest_core.models.model_choice import DEVICES, MODELS
+from reflest_core.models.registry import DEVICES, models
 from reflest_core.parameter import ParameterError, check_parameters, parameter
 
 
@@ -21,7 +21,7 @@ from reflest_core.parameter import ParameterError, check_parameters, parameter
 class EstimationSettings:
     """Which network looks at the scan, and when there is too little to look at."""
 
-    model: str = parameter("lightnet", "The network that estimates.", choices=tuple(MODELS))
+    model: str = parameter("lightnet", "The network that estimates.", choices=tuple(models()))
     weights: str = parameter("", "Weight file to use in place of the shipped one.")
     device: str = parameter(
         "cpu", "Where the network runs; cuda needs PyTorch and a CUDA device.", choices=DEVICES

@@ -14,7 +14,7 @@ from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.fusion import warm_up as fusion
 from reflest_core.light.light_map import LightMap
-from reflest_core.models.weights import shipped_models
+from reflest_core.models.registry import shipped_models
 from reflest_core.surface.observed_surface import ObservedSurface
 
 SIDE, VIEWS = 32, 6

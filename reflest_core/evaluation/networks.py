@@ -11,9 +11,8 @@ from pathlib import Path
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
-from reflest_core.models.model_choice import MODELS
 from reflest_core.models.predictor import Predictor
-from reflest_core.models.weights import SHIPPED
+from reflest_core.models.registry import network_of_model, networks
 from reflest_core.training.variants import VARIANTS
 
 LIGHTNET = "lightnet"
@@ -28,9 +27,9 @@ class EvaluatedNetwork:
     """A network with weights, as one row of the tables.
 
     Attributes:
-        name: The variant of Table 2, or ``lightnet``.
+        name: The variant of Table 2, or the name of a network that Table 2 does not have.
         title: The name in tables and plots.
-        model: A key of :data:`MODELS`, which the network estimates as.
+        model: The registered model that the network estimates as.
         weights: The weight file.
         exact: The same weights in float32, or None where they were not kept.
     """
@@ -44,7 +43,7 @@ class EvaluatedNetwork:
     @property
     def architecture(self) -> str:
         """The name of the network's architecture."""
-        return MODELS[self.model].network
+        return network_of_model(self.model).name
 
     def predictor(self) -> Predictor:
         """Load the weights; the predictor runs on one thread."""
@@ -68,8 +67,8 @@ def find_networks(runs: Path | None) -> list[EvaluatedNetwork]:
         runs: A folder of trainings (``runs/<variant>/``), or None for the shipped weights.
 
     Returns:
-        The variants of Table 2 that have weights, then lightnet: from ``runs`` if it is there, else
-        the shipped one.
+        The variants of Table 2 that have weights, then every other registered network: from
+        ``runs/<network>/`` if it is there, else as shipped.
 
     Raises:
         EvaluationError: ``runs`` holds no weights.
@@ -83,17 +82,28 @@ def find_networks(runs: Path | None) -> list[EvaluatedNetwork]:
             found.append(
                 EvaluatedNetwork(variant.name, variant.title, variant.model, weights, kept)
             )
-    candidates = [] if runs is None else [runs / LIGHTNET / MODELS[LIGHTNET].file]
-    trained = next((path for path in candidates if path.is_file()), None)
-    if not found and trained is None:
+    others = _other_networks(runs)
+    if not found and not any(runs is None or runs in one.weights.parents for one in others):
         place = "this installation" if runs is None else runs
         raise EvaluationError(
             f"{place} holds no weights of a variant of Table 2; train one with 'reflest train DATA "
             "--variant NAME --out RUNS/NAME' and give --runs RUNS"
         )
-    weights = trained or SHIPPED / MODELS[LIGHTNET].file
-    if weights.is_file():
-        found.append(EvaluatedNetwork(LIGHTNET, "lightnet", LIGHTNET, weights))
+    return found + others
+
+
+def _other_networks(runs: Path | None) -> list[EvaluatedNetwork]:
+    """Registered networks that no variant of Table 2 uses, where they have weights."""
+    found = []
+    for network in networks().values():
+        if any(variant.network == network.name for variant in VARIANTS):
+            continue
+        model = network.models[0]
+        trained = [] if runs is None else [runs / network.name / f"{network.name}.safetensors"]
+        shipped = [] if model.weights is None else [model.weights]
+        weights = next((path for path in [*trained, *shipped] if path.is_file()), None)
+        if weights is not None:
+            found.append(EvaluatedNetwork(network.name, network.name, model.name, weights))
     return found
 
 

@@ -43,7 +43,7 @@ from reflest_core.evaluation.studies.size_and_latency import (
 from reflest_core.evaluation.studies.study import Study
 from reflest_core.evaluation.studies.view_study import measure_views
 from reflest_core.evaluation.table_2 import measure_table_2, measure_table_3
-from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.models.card import ParameterStatistics
 from reflest_core.synbrdf.scenes.scene_file import SynbrdfScene
 from reflest_core.training.data.sample import Sample
 

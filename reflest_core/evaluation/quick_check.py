@@ -25,7 +25,7 @@ from reflest_core.evaluation.networks import (
     network_named,
 )
 from reflest_core.evaluation.statistics.accuracy import Accuracy, accuracy
-from reflest_core.models.model_choice import MODELS
+from reflest_core.models.registry import models
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.voxel_choice import choose_voxels
 from reflest_core.training.data.sample import Sample
@@ -48,7 +48,7 @@ def save_quick_set(path: Path, samples: list[Sample]) -> None:
         path: The ``.safetensors`` file to write.
         samples: The validation scenes.
     """
-    count = MODELS["hemicnn"].voxels
+    count = models()["hemicnn"].voxels
     save_samples(
         path,
         [

@@ -1,12 +1,11 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""From an observed surface to five parameters: features, network, z-score, one object."""
+"""From an observed surface to five parameters: voxel choice, features, network, z-scores undone."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,54 +13,28 @@ from numpy.typing import NDArray
 from reflest_core.brdf.gloss import labcd_to_ward
 from reflest_core.inference.material import Explanation
 from reflest_core.light.light_knowledge import LightKnowledge, light_knowledge
-from reflest_core.models.grouplet import live as live_grouplet
-from reflest_core.models.hemicnn import live as live_hemicnn
-from reflest_core.models.lightnet import live as live_lightnet
-from reflest_core.models.lightnet import shapes as lightnet_shapes
-from reflest_core.models.model_choice import MODELS
-from reflest_core.models.quantisation import Tensors
-from reflest_core.models.scores import Scores
-from reflest_core.models.threads import one_blas_thread
+from reflest_core.models.definition import LiveNetwork, Scores
+from reflest_core.models.linear_algebra import one_blas_thread
+from reflest_core.models.registry import network_of_model
 from reflest_core.models.torch_network import TorchNetwork
-from reflest_core.models.weights import SHIPPED, WeightsError, check_fits, load_weights
+from reflest_core.models.weights import WeightsError, check_fits, load_weights
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.voxel_choice import choose_voxels
 
-SHAPES = {
-    "hemicnn": live_hemicnn.SHAPES,
-    "grouplet": live_grouplet.SHAPES,
-    "lightnet": lightnet_shapes.SHAPES,
-}
 LARGEST_LOG_VARIANCE = 3.0
 """Of a z-score; training tells variances apart up to here."""
 
 
-class LiveNetwork(Protocol):
-    """A trained network together with the building of its features."""
-
-    def scores(
-        self,
-        surface: ObservedSurface,
-        voxels: NDArray[np.int64],
-        found: Explanation | None = None,
-    ) -> Scores:
-        """Estimate the z-scored parameters of a surface.
-
-        Args:
-            surface: a scan, or a material's part of one.
-            voxels: (N,) indices of the voxels that the estimate rests on, all observed.
-            found: the material in the light of its scene, for networks that see light; None takes
-                the surface for a scene of one material.
-        """
-
-
 @dataclass(frozen=True)
 class Prediction:
-    """``ward``: (5,) float64 ``rho_d`` (3), ``rho_s``, ``alpha``, not clipped to physical values.
+    """A network's estimate of one surface.
 
-    ``voxels``: (N,) indices of the voxels that they rest on. ``stddev``: (5,) float64, one standard
-    deviation of each Ward parameter; None from the paper's networks, which know none.
-    ``light``: how much was known of the light; None where the network does not look at it.
+    Attributes:
+        ward: (5,) float64 ``rho_d`` (3), ``rho_s``, ``alpha``, not clipped to physical values.
+        voxels: (N,) indices of the voxels that the estimate rests on.
+        stddev: (5,) float64, one standard deviation of each Ward parameter; None where the network
+            states none.
+        light: How much was known of the light; None where the network does not use it.
     """
 
     ward: NDArray[np.float64]
@@ -71,40 +44,58 @@ class Prediction:
 
 
 class Predictor:
-    """A trained network ready to look at surfaces, from one thread at a time."""
+    """A trained network that estimates surfaces; to be used by one thread at a time.
+
+    Attributes:
+        card: The card of its weights.
+        network: Its live form.
+        voxels: N, voxels that it chooses of a surface.
+        sees_light: Whether the network uses the light around the surface.
+        model_id: Name of the model and the first digits of its weights' hash.
+    """
 
     def __init__(
         self, model: str, weights: Path | None = None, device: str = "cpu", threads: int = 1
     ) -> None:
-        """Load ``model`` (a key of :data:`MODELS`) from its shipped weights or a file.
+        """Load a model.
 
-        ``device``: ``cpu`` (NumPy, at most ``threads`` threads) or ``cuda`` (PyTorch). Raises
-        :class:`WeightsError` or :class:`DeviceError`.
+        Args:
+            model: Name of a registered model.
+            weights: Weight file; None takes the shipped one.
+            device: ``cpu`` (the network's live form) or ``cuda`` (PyTorch).
+            threads: CPU threads of the live form.
+
+        Raises:
+            RegistryError: There is no such model.
+            WeightsError: The weights are missing, damaged or of another network.
+            DeviceError: The device cannot be used.
         """
-        choice = MODELS[model]
-        path = weights or SHIPPED / choice.file
+        definition = network_of_model(model)
+        choice = definition.model_named(model)
+        path = weights or choice.weights
+        if path is None:
+            raise WeightsError(f"{model} comes without weights; set estimation.weights to a file")
         tensors, self.card, digest = load_weights(path)
-        if self.card.network != choice.network:
+        if self.card.network != definition.name:
             raise WeightsError(
                 f"{path} holds a {self.card.network} network; set the model to one that uses it, "
                 f"not {model}"
             )
-        check_fits(tensors, SHAPES[choice.network], path)
-        self.network = _live_network(choice.network, tensors, device, threads)
-        self.voxels, self._sees_light = choice.voxels, choice.sees_light
+        check_fits(tensors, definition.shapes(), path)
+        self.network: LiveNetwork
+        if device == "cpu":
+            self.network = definition.live(tensors, threads)
+        else:
+            self.network = TorchNetwork(definition, tensors, device)
+        self.voxels, self.sees_light = choice.voxels, definition.sees_light
         self.model_id = f"{model}/{digest[:12]}"
-
-    @property
-    def sees_light(self) -> bool:
-        """Whether the network estimates from the light around the surface too."""
-        return self._sees_light
 
     def predict(self, surface: ObservedSurface, found: Explanation | None = None) -> Prediction:
         """Estimate from the surface's chosen voxels.
 
         Args:
-            surface: at least one voxel was observed.
-            found: see :meth:`LiveNetwork.scores`.
+            surface: Upright (+z is up), with at least one observed voxel.
+            found: See :meth:`~reflest_core.models.definition.LiveNetwork.scores`.
         """
         with one_blas_thread():
             return self._predict(surface, found)
@@ -114,29 +105,22 @@ class Predictor:
         scores = self.network.scores(surface, voxels, found)
         values = self.card.output_statistics.restore(scores.means.astype(np.float64))
         ward = labcd_to_ward(values) if self.card.parameters == "labcd" else values
-        if not self._sees_light:
-            return Prediction(ward, voxels)
-        light = light_knowledge(surface.light, surface.normals[voxels])
+        light = None
+        if self.sees_light:
+            light = light_knowledge(surface.light, surface.normals[voxels])
         return Prediction(ward, voxels, self._deviations(scores, light), light)
 
-    def _deviations(self, scores: Scores, light: LightKnowledge) -> NDArray[np.float64] | None:
-        """Standard deviations (5,) of the Ward parameters, calibrated.
+    def _deviations(
+        self, scores: Scores, light: LightKnowledge | None
+    ) -> NDArray[np.float64] | None:
+        """Calibrated standard deviations (5,) of the Ward parameters.
 
-        Where nothing was seen of the light they are at least those of the materials at large.
+        Where a network that uses the light saw none, they are at least those of all materials.
         """
         if scores.log_variances is None:
             return None
         usual = self.card.statistics["ward"].stddev
         log_variances = np.minimum(scores.log_variances.astype(np.float64), LARGEST_LOG_VARIANCE)
         stddev = self.card.calibration.calibrated(np.exp(0.5 * log_variances)) * usual
-        return np.maximum(stddev, usual) if light.seen == 0.0 else stddev
-
-
-def _live_network(network: str, tensors: Tensors, device: str, threads: int) -> LiveNetwork:
-    if device != "cpu":
-        return TorchNetwork(network, tensors, device)
-    if network == "hemicnn":
-        return live_hemicnn.LiveHemiCNN(tensors)
-    if network == "lightnet":
-        return live_lightnet.LiveLightNet(tensors)
-    return live_grouplet.LiveGrouplet(tensors, threads)
+        is_blind = light is not None and light.seen == 0.0
+        return np.maximum(stddev, usual) if is_blind else stddev

@@ -1,104 +1,114 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The networks in PyTorch, each with the features that it eats, for training and for CUDA."""
+"""Which networks there are: the built-in ones, and those that other packages register.
+
+A package registers a network by an entry point of the group ``reflest.networks`` whose value is the
+import path of a :class:`~reflest_core.models.definition.NetworkDefinition`, as in its
+``pyproject.toml``::
+
+    [project.entry-points."reflest.networks"]
+    mynet = "my_package.mynet:MyNet"
+"""
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Protocol
+import warnings
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
 
-import numpy as np
-import torch
-from numpy.typing import NDArray
+from reflest_core.errors import ReflestError
+from reflest_core.models.definition import Model, NetworkDefinition
 
-from reflest_core.inference.material import Explanation
-from reflest_core.models.grouplet.grouplets import NODES_PER_VOXEL, draw_grouplets
-from reflest_core.models.grouplet.live import SEED
-from reflest_core.models.grouplet.network import Grouplet
-from reflest_core.models.hemicnn.hemisphere_images import hemisphere_images
-from reflest_core.models.hemicnn.network import HemiCNN
-from reflest_core.models.lightnet.network import LightNet
-from reflest_core.models.lightnet.surface_shading import surface_shading
-from reflest_core.surface.observed_surface import ObservedSurface
-
-Inputs = tuple[torch.Tensor, ...]
+GROUP = "reflest.networks"
+BUILT_IN = (
+    "reflest_core.models.lightnet.definition:LightNetDefinition",
+    "reflest_core.models.hemicnn.definition:HemiCNNDefinition",
+    "reflest_core.models.grouplet.definition:GroupletDefinition",
+)
+"""Import paths of the networks of this package, the default one first."""
+DEVICES = ("cpu", "cuda")
+"""Where a network can run."""
 
 
-@dataclass(frozen=True)
-class FeatureDraw:
-    """How features are drawn: the grouplets' ``seed`` and number, and a turn of all azimuths."""
-
-    seed: int
-    azimuth: float = 0.0
-    nodes_per_voxel: int = NODES_PER_VOXEL
+class RegistryError(ReflestError):
+    """A network cannot be used, or is not registered."""
 
 
-LIVE_DRAW = FeatureDraw(SEED)
-"""How an estimate draws, always."""
+@cache
+def networks() -> dict[str, NetworkDefinition]:
+    """Every network by its name: the built-in ones, then others in the order of their names.
 
-
-class Features(Protocol):
-    """Builds a network's inputs."""
-
-    def __call__(
-        self,
-        surface: ObservedSurface,
-        voxels: NDArray[np.int64],
-        draw: FeatureDraw,
-        found: Explanation | None = None,
-    ) -> Inputs:
-        """Build the inputs of a surface at chosen voxels, unbatched."""
-
-
-@dataclass(frozen=True)
-class NetworkKind:
-    """``features`` of a surface at chosen voxels are the arguments of ``make()``, unbatched.
-
-    ``make()`` gives z-scored parameters, or their means and log variances.
+    An entry point that cannot be used is left out, with a warning that says why.
     """
-
-    make: Callable[[], torch.nn.Module]
-    features: Features
-
-
-def hemicnn_features(
-    surface: ObservedSurface,
-    voxels: NDArray[np.int64],
-    draw: FeatureDraw,
-    found: Explanation | None = None,
-) -> Inputs:
-    """Hemisphere images (N, 3, 10, 10)."""
-    azimuths = np.full(len(voxels), draw.azimuth)
-    return (torch.from_numpy(hemisphere_images(surface, voxels, azimuths)),)
+    found = {made.name: made for made in (_loaded(path, path) for path in BUILT_IN)}
+    for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
+        try:
+            definition = _loaded(entry.name, entry.value)
+            _check_names(definition, found)
+        except RegistryError as error:
+            warnings.warn(str(error), RuntimeWarning, stacklevel=2)
+            continue
+        found[definition.name] = definition
+    return found
 
 
-def grouplet_features(
-    surface: ObservedSurface,
-    voxels: NDArray[np.int64],
-    draw: FeatureDraw,
-    found: Explanation | None = None,
-) -> Inputs:
-    """Branches (N nodes, 5, 12) and normals (N nodes, 3), 10 nodes a voxel unless drawn fewer."""
-    drawn = draw_grouplets(surface, voxels, draw.seed, draw.nodes_per_voxel)
-    return torch.from_numpy(drawn.branches), torch.from_numpy(drawn.normals)
+def network_named(name: str) -> NetworkDefinition:
+    """Return the network of that name.
+
+    Raises:
+        RegistryError: There is none; the sentence lists those that there are.
+    """
+    known = networks()
+    if name not in known:
+        raise RegistryError(f"there is no network {name!r}; choose one of {', '.join(known)}")
+    return known[name]
 
 
-def lightnet_features(
-    surface: ObservedSurface,
-    voxels: NDArray[np.int64],
-    draw: FeatureDraw,
-    found: Explanation | None = None,
-) -> Inputs:
-    """The arrays of :class:`~reflest_core.models.lightnet.shading.Shading` that LightNet takes."""
-    look = surface_shading(surface, voxels, found)
-    names = list(inspect.signature(LightNet.forward).parameters)[1:]
-    return tuple(torch.from_numpy(np.ascontiguousarray(getattr(look, name))) for name in names)
+def models() -> dict[str, Model]:
+    """Every model of every network, by the model's name."""
+    return {model.name: model for network in networks().values() for model in network.models}
 
 
-NETWORKS = {
-    "hemicnn": NetworkKind(HemiCNN, hemicnn_features),
-    "grouplet": NetworkKind(Grouplet, grouplet_features),
-    "lightnet": NetworkKind(LightNet, lightnet_features),
-}
+def network_of_model(name: str) -> NetworkDefinition:
+    """Return the network that a model uses.
+
+    Raises:
+        RegistryError: There is no model of that name; the sentence lists those that there are.
+    """
+    for network in networks().values():
+        if any(model.name == name for model in network.models):
+            return network
+    raise RegistryError(f"there is no model {name!r}; choose one of {', '.join(models())}")
+
+
+def shipped_models() -> tuple[str, ...]:
+    """Names of the models whose weights this installation holds."""
+    return tuple(
+        name
+        for name, model in models().items()
+        if model.weights is not None and model.weights.is_file()
+    )
+
+
+def _loaded(name: str, value: str) -> NetworkDefinition:
+    """Import the definition of an entry point ``name = value`` and make it."""
+    place = f"the network of the entry point {name} = {value}"
+    try:
+        made = EntryPoint(name, value, GROUP).load()()
+    except Exception as error:
+        raise RegistryError(
+            f"{place} cannot be loaded ({type(error).__name__}: {error}): mend or uninstall its "
+            "package"
+        ) from error
+    if not isinstance(made, NetworkDefinition):
+        raise RegistryError(f"{place} is no NetworkDefinition: mend or uninstall its package")
+    return made
+
+
+def _check_names(definition: NetworkDefinition, others: dict[str, NetworkDefinition]) -> None:
+    taken = {model.name for other in others.values() for model in other.models}
+    if definition.name in others or taken & {model.name for model in definition.models}:
+        raise RegistryError(
+            f"the network {definition.name} of another package has a name, or a model with a name, "
+            "that is taken: rename it or uninstall its package"
+        )

@@ -1,13 +1,15 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Weight files: safetensors with everything that is needed to use and to trust them."""
+"""Weight files: safetensors with everything that is needed to use and to check them.
+
+Matrices may be stored as 8-bit integers with one scale for each output channel, so that Grouplet
+fits the paper's 340 KB.
+"""
 
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,79 +18,49 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
-from reflest_core.brdf.parameters import WardVariant
 from reflest_core.errors import ReflestError
-from reflest_core.models.calibration import Calibration
-from reflest_core.models.model_choice import MODELS
-from reflest_core.models.normalisation import ParameterStatistics
-from reflest_core.models.quantisation import Tensors, dequantise, quantise
+from reflest_core.models.card import WeightsCard
 from reflest_core.whole_file import write_whole
 
 FORMAT = "reflest-weights-1"
-SHIPPED = Path(__file__).parent / "shipped"
+SCALE_SUFFIX = ".scale"
+
+Tensors = dict[str, NDArray[Any]]
+"""A network's weights by name, shaped as PyTorch stores them."""
 
 
 class WeightsError(ReflestError):
     """A weight file is missing, damaged or made for something else."""
 
 
-@dataclass(frozen=True)
-class WeightsCard:
-    """What a network's outputs mean and how it came to be.
-
-    ``network``: ``hemicnn``, ``grouplet`` or ``lightnet``. ``parameters``: ``ward`` or ``labcd``,
-    the meaning of the five outputs after their z-score is undone. ``statistics``: the training
-    set's, for both parameterisations. ``recipe``: data, loss, optimiser, seed.
-
-    ``calibration``: of the standard deviations of a network that says how sure it is, fitted on
-    environments kept from training.
-    """
-
-    network: str
-    parameters: str
-    variant: WardVariant
-    statistics: dict[str, ParameterStatistics]
-    recipe: dict[str, Any]
-    calibration: Calibration = field(default_factory=Calibration)
-
-    @property
-    def output_statistics(self) -> ParameterStatistics:
-        """The statistics by which the network's outputs are z-scored."""
-        return self.statistics[self.parameters]
-
-
 def save_weights(
     path: Path, tensors: Mapping[str, Any], card: WeightsCard, eight_bit: bool
 ) -> None:
-    """Write arrays or PyTorch tensors atomically.
+    """Write a weight file, whole or not at all.
 
-    ``eight_bit`` stores matrices as int8 (see :mod:`.quantisation`).
+    Args:
+        path: Of the file.
+        tensors: Arrays or PyTorch tensors by name.
+        card: What the file says of its network.
+        eight_bit: Store matrices as by :func:`quantise`.
     """
     stored = {name: _as_array(tensor) for name, tensor in tensors.items()}
     if eight_bit:
         stored = quantise(stored)
-    described = json.dumps(
-        {
-            "network": card.network,
-            "parameters": card.parameters,
-            "variant": card.variant.value,
-            "statistics": {
-                name: {"mean": known.mean.tolist(), "stddev": known.stddev.tolist()}
-                for name, known in card.statistics.items()
-            },
-            "recipe": card.recipe,
-            "stddev_factors": card.calibration.factors.tolist(),
-            "stddev_powers": card.calibration.powers.tolist(),
-            "error_correlation": card.calibration.correlation.tolist(),
-        },
-        sort_keys=True,
-    )
+    described = card.to_json()
     metadata = {"format": FORMAT, "card": described, "sha256": content_hash(stored, described)}
     write_whole(path, save(stored, metadata))
 
 
 def load_weights(path: Path) -> tuple[Tensors, WeightsCard, str]:
-    """Float32 tensors, the card and the checked hash (hex); :class:`WeightsError` otherwise."""
+    """Read a weight file.
+
+    Returns:
+        The tensors in float32, the card, and the checked hash (hex).
+
+    Raises:
+        WeightsError: There is no such file, it is damaged, or of another format.
+    """
     if not path.is_file():
         raise WeightsError(f"there is no weight file {path}; correct estimation.weights")
     try:
@@ -105,16 +77,20 @@ def load_weights(path: Path) -> tuple[Tensors, WeightsCard, str]:
     digest = content_hash(stored, metadata["card"])
     if digest != metadata["sha256"]:
         raise WeightsError(f"{path} does not match its own hash: it is damaged; install it again")
-    return dequantise(stored), _read_card(metadata["card"]), digest
-
-
-def shipped_models() -> tuple[str, ...]:
-    """Keys of :data:`MODELS` whose weights this installation holds."""
-    return tuple(name for name, choice in MODELS.items() if (SHIPPED / choice.file).is_file())
+    return dequantise(stored), WeightsCard.from_json(metadata["card"]), digest
 
 
 def check_fits(tensors: Tensors, shapes: Mapping[str, tuple[int, ...]], path: Path) -> None:
-    """Raise :class:`WeightsError` unless ``tensors`` are those of the network with ``shapes``."""
+    """Check that a file's tensors are those of its network.
+
+    Args:
+        tensors: By name.
+        shapes: Shapes that the network's tensors have, by name.
+        path: Of the file, for the sentence.
+
+    Raises:
+        WeightsError: A tensor is missing, unknown or of another shape.
+    """
     for name in sorted(shapes.keys() | tensors.keys()):
         found = tensors[name].shape if name in tensors else None
         if found != shapes.get(name):
@@ -122,6 +98,33 @@ def check_fits(tensors: Tensors, shapes: Mapping[str, tuple[int, ...]], path: Pa
                 f"{path} does not fit its network: {name} has shape {found}, not "
                 f"{shapes.get(name)}; use weights written by this version of reflest"
             )
+
+
+def quantise(tensors: Tensors) -> Tensors:
+    """Store every matrix as int8 beside ``<name>.scale``; vectors (biases) stay float32."""
+    stored: Tensors = {}
+    for name, tensor in tensors.items():
+        if tensor.ndim < 2:
+            stored[name] = tensor
+            continue
+        rows = tensor.reshape(len(tensor), -1)
+        scale = np.maximum(np.abs(rows).max(axis=1), np.float32(1e-12)) / np.float32(127)
+        stored[name] = np.rint(rows / scale[:, None]).astype(np.int8).reshape(tensor.shape)
+        stored[name + SCALE_SUFFIX] = scale
+    return stored
+
+
+def dequantise(stored: Tensors) -> Tensors:
+    """Undo :func:`quantise` in float32; tensors that are not int8 pass unchanged."""
+    tensors: Tensors = {}
+    for name, tensor in stored.items():
+        if name.endswith(SCALE_SUFFIX):
+            continue
+        if tensor.dtype == np.int8:
+            scale = stored[name + SCALE_SUFFIX]
+            tensor = tensor.astype(np.float32) * scale.reshape(-1, *[1] * (tensor.ndim - 1))
+        tensors[name] = tensor
+    return tensors
 
 
 def content_hash(stored: Tensors, card: str) -> str:
@@ -141,23 +144,3 @@ def _as_array(tensor: Any) -> NDArray[Any]:
     if hasattr(tensor, "detach"):
         tensor = tensor.detach().cpu()
     return np.ascontiguousarray(tensor)
-
-
-def _read_card(described: str) -> WeightsCard:
-    card = json.loads(described)
-    statistics = {
-        name: ParameterStatistics(np.array(known["mean"]), np.array(known["stddev"]))
-        for name, known in card["statistics"].items()
-    }
-    return WeightsCard(
-        card["network"],
-        card["parameters"],
-        WardVariant(card["variant"]),
-        statistics,
-        card["recipe"],
-        Calibration(
-            np.array(card.get("stddev_factors", np.ones(5))),
-            np.array(card.get("stddev_powers", np.ones(5))),
-            np.array(card.get("error_correlation", np.eye(5))),
-        ),
-    )

@@ -11,17 +11,23 @@ from typing import Any
 
 import torch
 
+from reflest_core.models.recipe import Recipe
 from reflest_core.training.data.sample import TrainingError
-from reflest_core.training.recipe import Recipe
 from reflest_core.training.weight_average import Weights
 from reflest_core.whole_file import whole_file
 
 
 @dataclass
 class Checkpoint:
-    """``minibatch``: how many are done. ``average``: the running mean of the weights.
+    """The state of a training.
 
-    ``best``: the running mean that had the lowest validation RMSE, ``best_rmse``.
+    Attributes:
+        minibatch: How many minibatches are done.
+        module: The weights.
+        optimiser: The optimiser's state.
+        average: The running mean of the weights.
+        best: The running mean that had the lowest validation RMSE.
+        best_rmse: That RMSE.
     """
 
     minibatch: int
@@ -33,7 +39,7 @@ class Checkpoint:
 
 
 def save_checkpoint(path: Path, checkpoint: Checkpoint, recipe: Recipe) -> None:
-    """Write the checkpoint whole or not at all.
+    """Write a checkpoint, whole or not at all.
 
     Raises:
         OutputError: It cannot be written; the checkpoint before it is as it was.
@@ -43,7 +49,19 @@ def save_checkpoint(path: Path, checkpoint: Checkpoint, recipe: Recipe) -> None:
 
 
 def load_checkpoint(path: Path, recipe: Recipe, device: torch.device) -> Checkpoint | None:
-    """The checkpoint at ``path``, or None; :class:`TrainingError` if it is of another recipe."""
+    """Read a checkpoint.
+
+    Args:
+        path: Of its file.
+        recipe: The training's, which the checkpoint's must equal.
+        device: Where its tensors go.
+
+    Returns:
+        The checkpoint; None where there is no file.
+
+    Raises:
+        TrainingError: The file is damaged or of another recipe.
+    """
     if not path.exists():
         return None
     try:

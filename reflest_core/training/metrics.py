@@ -9,14 +9,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.models.card import ParameterStatistics
 
 
 @dataclass(frozen=True)
 class NormalisedRmse:
-    """``overall``: over parameters and scenes. ``per_parameter``: (5,).
+    """Root mean square of z-scored errors.
 
-    ``scene_mean``, ``scene_median``, ``scene_p95``: of each scene's RMSE over its parameters.
+    Attributes:
+        overall: Over parameters and scenes.
+        per_parameter: (5,), over scenes.
+        scene_mean: Mean over scenes of the RMSE over a scene's parameters.
+        scene_median: Median of the same.
+        scene_p95: 95th percentile of the same.
     """
 
     overall: float
@@ -27,7 +32,7 @@ class NormalisedRmse:
 
     @staticmethod
     def of(errors: NDArray[np.float64]) -> NormalisedRmse:
-        """Of (S, 5) errors of z-scored parameters."""
+        """Compute it from (S, 5) errors of z-scored parameters."""
         scenes = np.sqrt((errors**2).mean(axis=1))
         return NormalisedRmse(
             overall=float(np.sqrt((errors**2).mean())),
@@ -41,5 +46,11 @@ class NormalisedRmse:
 def normalised_rmse(
     estimates: NDArray[np.float64], truths: NDArray[np.float64], statistics: ParameterStatistics
 ) -> NormalisedRmse:
-    """Of (S, 5) estimates against truths, z-scored with the *training* set's statistics."""
+    """Compare estimates with truths.
+
+    Args:
+        estimates: (S, 5) parameters.
+        truths: (S, 5) parameters.
+        statistics: The *training* set's, for the z-scores.
+    """
     return NormalisedRmse.of(statistics.normalise(estimates) - statistics.normalise(truths))

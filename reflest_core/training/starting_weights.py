@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Weights of an earlier training to begin from: the trunk always, the last layer where it fits."""
+"""Weights of an earlier training to begin from."""
 
 from __future__ import annotations
 
@@ -9,10 +9,9 @@ from pathlib import Path
 
 import torch
 
-from reflest_core.models.quantisation import Tensors
-from reflest_core.models.weights import check_fits, load_weights
+from reflest_core.models.recipe import Recipe
+from reflest_core.models.weights import Tensors, check_fits, load_weights
 from reflest_core.training.data.sample import TrainingError
-from reflest_core.training.recipe import Recipe
 
 LAST_LAYER = 2
 """A matrix and its bias: the last ones of a network's tensors."""
@@ -20,7 +19,13 @@ LAST_LAYER = 2
 
 @dataclass(frozen=True)
 class StartingWeights:
-    """``tensors`` of a network whose outputs are ``parameters``; ``name`` is for the card."""
+    """Weights to begin from.
+
+    Attributes:
+        tensors: By name.
+        parameters: What the outputs mean, ``ward`` or ``labcd``.
+        name: The file's name and hash, for the card.
+    """
 
     tensors: Tensors
     parameters: str
@@ -28,7 +33,11 @@ class StartingWeights:
 
     @staticmethod
     def read(path: Path, recipe: Recipe) -> StartingWeights:
-        """From a weight file; :class:`TrainingError` where it is another network's."""
+        """Read a weight file.
+
+        Raises:
+            TrainingError: It holds another network than the recipe's.
+        """
         tensors, card, digest = load_weights(path)
         if card.network != recipe.network:
             raise TrainingError(
@@ -38,7 +47,10 @@ class StartingWeights:
         return StartingWeights(tensors, card.parameters, f"{path.stem} {digest}")
 
     def put_into(self, module: torch.nn.Module, recipe: Recipe) -> None:
-        """Set the module's weights, but for the last layer if it is to say other parameters."""
+        """Copy the weights into a module.
+
+        The last layer keeps its own weights where the recipe's outputs mean something else.
+        """
         own = module.state_dict()
         check_fits(self.tensors, {n: tuple(t.shape) for n, t in own.items()}, Path(self.name))
         kept = list(own) if self.parameters == recipe.parameters else list(own)[:-LAST_LAYER]

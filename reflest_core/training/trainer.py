@@ -15,10 +15,9 @@ from torch.nn.parallel import DistributedDataParallel
 from tqdm import tqdm
 
 from reflest_core.training.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
-from reflest_core.training.course import Course
 from reflest_core.training.processes import Processes
-from reflest_core.training.run_folder import RunFolder
 from reflest_core.training.starting_weights import StartingWeights
+from reflest_core.training.task import RunFolder, TrainingTask
 from reflest_core.training.training_log import Entry, TrainingLog
 from reflest_core.training.weight_average import WeightAverage
 
@@ -26,20 +25,28 @@ B = TypeVar("B")
 
 
 class Trainer(Generic[B]):
-    """Follows one course in one folder, alone or as one of several processes."""
+    """Trains one task in one folder, alone or as one of several processes."""
 
     def __init__(
         self,
-        course: Course[B],
+        task: TrainingTask[B],
         folder: RunFolder,
         processes: Processes,
         start: StartingWeights | None = None,
     ) -> None:
-        torch.manual_seed(course.recipe.seed)
+        """Make the network and its optimiser.
+
+        Args:
+            task: What is trained.
+            folder: Where.
+            processes: Those that train together.
+            start: Weights to begin from; None begins from random ones.
+        """
+        torch.manual_seed(task.recipe.seed)
         folder.path.mkdir(parents=True, exist_ok=True)
-        self.course, self.folder, self.processes = course, folder, processes
-        self.recipe = course.recipe
-        self.module = course.make()
+        self.task, self.folder, self.processes = task, folder, processes
+        self.recipe = task.recipe
+        self.module = task.make()
         if start is not None:
             start.put_into(self.module, self.recipe)
         self.optimiser = self.recipe.make_optimiser(self.module)
@@ -47,7 +54,11 @@ class Trainer(Generic[B]):
             self.log = TrainingLog(folder.path, folder.tensorboard)
 
     def run(self) -> Path:
-        """Train on from the folder's checkpoint to the end; return the weight file."""
+        """Train from the folder's checkpoint to the end.
+
+        Returns:
+            Path of the weight file.
+        """
         state = self._resume()
         device = self.processes.device
         started_from = {name: tensor.to(device) for name, tensor in state.average.items()}
@@ -62,7 +73,7 @@ class Trainer(Generic[B]):
         )
         losses: list[torch.Tensor] = []
         started = time.monotonic()
-        for batch in self.course.batches(state.minibatch, parts):
+        for batch in self.task.batches(state.minibatch, parts):
             losses.append(self._step(network, batch, state.minibatch))
             state.minibatch += 1
             average.update(self.module.state_dict(), state.minibatch)
@@ -74,7 +85,7 @@ class Trainer(Generic[B]):
                 losses, started = [], time.monotonic()
         bar.close()
         if self.processes.is_first:
-            self.course.save(state.best, self.folder)
+            self.task.save(state.best, self.folder)
         return self.folder.weights
 
     def _is_due(self, minibatch: int) -> bool:
@@ -97,7 +108,7 @@ class Trainer(Generic[B]):
             group["lr"] = self.recipe.learning_rate_at(minibatch)
         self.optimiser.zero_grad()
         torch.manual_seed(self._seed_of(minibatch))
-        loss = self.course.loss(network, batch)
+        loss = self.task.loss(network, batch)
         loss.backward()  # type: ignore[no-untyped-call]
         if self.recipe.largest_gradient > 0:
             weights = self.module.parameters()
@@ -114,10 +125,10 @@ class Trainer(Generic[B]):
         self, state: Checkpoint, average: WeightAverage, loss: float, rate: float
     ) -> None:
         """Measure the mean weights, keep the best of them, log, and save a checkpoint."""
-        measured = self.course.make()
+        measured = self.task.make()
         measured.load_state_dict(average.mean)
         measured.eval()
-        rmse = self.course.rmse(measured)
+        rmse = self.task.rmse(measured)
         state.module, state.optimiser = self.module.state_dict(), self.optimiser.state_dict()
         state.average = average.mean
         if rmse < state.best_rmse:

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A training's course as CSV, and for TensorBoard where it is asked for."""
+"""A training's log as CSV, and for TensorBoard where it is asked for."""
 
 from __future__ import annotations
 
@@ -15,7 +15,15 @@ from reflest_core.training.data.sample import TrainingError
 
 @dataclass(frozen=True)
 class Entry:
-    """What is logged after a validation; ``loss`` is the mean of J since the last one."""
+    """What is logged after a validation.
+
+    Attributes:
+        minibatch: How many are done.
+        training_loss: Mean of the loss since the last validation.
+        validation_rmse: Normalised RMSE on validation.
+        learning_rate: Of the last minibatch.
+        minibatches_per_second: Since the last validation.
+    """
 
     minibatch: int
     training_loss: float

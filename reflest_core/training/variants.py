@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The seven variants of Table 2: which network, loss and lambda each is, and how it is trained."""
+"""The seven variants of the paper's Table 2: network, loss and lambda of each."""
 
 from __future__ import annotations
 
@@ -8,17 +8,23 @@ import dataclasses
 from dataclasses import dataclass
 from pathlib import Path
 
-from reflest_core.models.weights import SHIPPED
+from reflest_core.models.definition import SHIPPED
+from reflest_core.models.recipe import Recipe
+from reflest_core.models.registry import network_named
 from reflest_core.training.data.sample import TrainingError
-from reflest_core.training.recipe import PAPER_RECIPES, RECIPES, Recipe
 
 
 @dataclass(frozen=True)
 class Variant:
-    """One row of Table 2, named ``name``.
+    """One row of Table 2.
 
-    ``model``: the key of :data:`~reflest_core.models.predictor.MODELS` by which it estimates.
-    ``colour_constancy``: lambda of E_c, 0.01 wherever the paper writes ``+ E_c`` (section 3.2).
+    Attributes:
+        name: On the command line and of its files.
+        title: In tables.
+        network: Name of its network.
+        model: Name of the model that estimates with it.
+        loss: ``rmse1``, ``rmse2`` or ``cuberoot``.
+        colour_constancy: lambda of E_c, 0.01 where the paper writes ``+ E_c`` (section 3.2).
     """
 
     name: str
@@ -30,17 +36,17 @@ class Variant:
 
     @property
     def file_name(self) -> str:
-        """Of its weights, in a training's folder and among the shipped ones."""
+        """Name of its weight file, in a training's folder and among the shipped ones."""
         return f"{self.name}.safetensors"
 
     @property
     def shipped(self) -> Path:
-        """Where its shipped weights are, if they are."""
+        """Path of its shipped weights; not every variant is shipped."""
         return SHIPPED / self.file_name
 
     def recipe(self, origin: str = "ours") -> Recipe:
-        """Its recipe after the ``paper``'s optimisers, or ``ours``."""
-        base = {"paper": PAPER_RECIPES, "ours": RECIPES}[origin][self.network]
+        """Return its recipe, of origin ``paper`` or ``ours``."""
+        base = network_named(self.network).recipes[origin]
         return dataclasses.replace(base, loss=self.loss, colour_constancy=self.colour_constancy)
 
 
@@ -74,7 +80,11 @@ VARIANTS = (
 
 
 def variant_named(name: str) -> Variant:
-    """The variant; :class:`TrainingError` names those that there are."""
+    """Return the variant of that name.
+
+    Raises:
+        TrainingError: There is none; the sentence lists those that there are.
+    """
     for variant in VARIANTS:
         if variant.name == name:
             return variant

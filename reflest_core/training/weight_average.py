@@ -10,14 +10,19 @@ Weights = dict[str, torch.Tensor]
 
 
 class WeightAverage:
-    """Exponential running mean with the given ``decay``; 0 follows the weights themselves."""
+    """Exponential running mean of weights.
+
+    Attributes:
+        decay: Share of the mean that stays at each minibatch; 0 follows the weights themselves.
+        mean: The mean, by name.
+    """
 
     def __init__(self, weights: Weights, decay: float) -> None:
         self.decay = decay
         self.mean = {name: tensor.detach().clone() for name, tensor in weights.items()}
 
     def update(self, weights: Weights, minibatch: int) -> None:
-        """Take in the weights after ``minibatch`` minibatches; the first ones count for little."""
+        """Add the weights after ``minibatch`` minibatches; early ones are soon forgotten."""
         decay = min(self.decay, minibatch / (minibatch + 10))
         names = list(self.mean)
         torch._foreach_lerp_(

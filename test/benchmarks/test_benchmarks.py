@@ -35,8 +35,7 @@ from benchmarks.plan import TINY
 from benchmarks.report.page import BEGIN, END, GuideDamaged, write_page
 from benchmarks.run import run
 from reflest_core.estimation.settings import EstimationSettings
-from reflest_core.models.model_choice import MODELS
-from reflest_core.models.weights import shipped_models
+from reflest_core.models.registry import network_of_model, shipped_models
 
 pytestmark = pytest.mark.timeout(900)
 """The run takes half a minute of processor time, on a crowded machine much longer."""
@@ -73,7 +72,7 @@ def names(timings):
 def test_every_stage_of_the_live_path_is_timed(results):
     stages = results["frame_path"]["1"]["stages"]
     expected = {one.name for one in (*CAPTURE_STAGES, *FUSION_STAGES, *ESTIMATION_STAGES)}
-    network = MODELS[EstimationSettings().model].network
+    network = network_of_model(EstimationSettings().model).name
     expected -= {feature for kind, feature in FEATURES.items() if kind != network}
     assert names(stages) == expected | {
         ASSEMBLE,
@@ -105,7 +104,7 @@ def test_models_are_timed_stage_by_stage_and_against_eager_torch(results):
     models = results["estimation"]["1"]["models"]
     assert set(models) == set(shipped_models())
     for model, kinds in models.items():
-        feature = FEATURES[MODELS[model].network]
+        feature = FEATURES[network_of_model(model).name]
         stages = {"snapshot", "voxel choice", feature, NETWORK, "coverage", ESTIMATE, FROM_STORE}
         assert names(kinds[SHIPPED_KIND]) == stages
         assert names(kinds[EAGER]) == {NETWORK}

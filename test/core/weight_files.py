@@ -6,10 +6,8 @@ import numpy as np
 import torch
 
 from reflest_core.brdf.parameters import WardVariant
-from reflest_core.models.calibration import Calibration
-from reflest_core.models.model_choice import MODELS
-from reflest_core.models.normalisation import ParameterStatistics
-from reflest_core.models.registry import NETWORKS
+from reflest_core.models.card import Calibration, ParameterStatistics
+from reflest_core.models.registry import network_of_model
 from reflest_core.models.weights import WeightsCard, save_weights
 
 USUAL = ParameterStatistics(
@@ -19,13 +17,13 @@ USUAL = ParameterStatistics(
 
 def untrained(model, folder, calibration=None):
     """Path of the weight file of a model's network as it is first made, always the same."""
-    network = MODELS[model].network
-    path = folder / f"untrained-{network}.safetensors"
+    network = network_of_model(model)
+    path = folder / f"untrained-{network.name}.safetensors"
     with torch.random.fork_rng():
         torch.manual_seed(7)
-        module = NETWORKS[network].make()
+        module = network.module()
     card = WeightsCard(
-        network,
+        network.name,
         "ward",
         WardVariant.WARD_1992,
         {"ward": USUAL, "labcd": USUAL},

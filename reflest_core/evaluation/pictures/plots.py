@@ -11,7 +11,7 @@ import numpy as np
 
 from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.evaluation.paper_figures import USEFUL_VIEWS
-from reflest_core.models.normalisation import WARD_NAMES
+from reflest_core.models.card import WARD_NAMES
 
 PANELS = (("rho_d (r, g, b)", (0, 1, 2)), ("rho_s", (3,)), ("alpha", (4,)))
 CHANNEL_COLOURS = ("#c23b3b", "#3b8f3b", "#3b5fc2")

@@ -15,7 +15,7 @@ from reflest_core.evaluation.sections.markdown import (
     spread,
     table,
 )
-from reflest_core.models.normalisation import LABCD_NAMES, WARD_NAMES
+from reflest_core.models.card import LABCD_NAMES, WARD_NAMES
 
 
 def table_2(record: Record) -> Lines:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from reflest_core.evaluation.sections.markdown import Lines, Record, percent, table
-from reflest_core.models.normalisation import WARD_NAMES
+from reflest_core.models.card import WARD_NAMES
 
 
 def calibration(record: Record) -> Lines:

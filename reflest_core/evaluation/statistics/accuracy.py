@@ -16,7 +16,7 @@ from reflest_core.evaluation.statistics.bootstrap import (
     over_groups,
     over_scenes,
 )
-from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.models.card import ParameterStatistics
 from reflest_core.training.data.sample import Sample
 from reflest_core.training.metrics import NormalisedRmse, normalised_rmse
 

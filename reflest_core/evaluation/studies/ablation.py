@@ -10,7 +10,7 @@ from typing import Any
 
 from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.training.light.ablation import PARTS
-from reflest_core.training.light.light_course import FIGURES
+from reflest_core.training.light.task import FIGURES
 
 WHOLE = "nothing"
 

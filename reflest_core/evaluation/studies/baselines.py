@@ -21,7 +21,7 @@ from reflest_core.evaluation.paper_figures import OPTIMISER_SECONDS
 from reflest_core.evaluation.shown_scenes import random_subset
 from reflest_core.evaluation.statistics.accuracy import Statistics, accuracy
 from reflest_core.evaluation.studies.single_image import optimise_single_image
-from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.models.card import ParameterStatistics
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.training.data.sample import Sample
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.evaluation.estimates import SceneEstimates
 from reflest_core.evaluation.statistics.bootstrap import share_over_groups
-from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.models.card import ParameterStatistics
 from reflest_core.training.data.sample import Sample
 
 LEVELS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)

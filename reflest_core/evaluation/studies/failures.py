@@ -13,7 +13,7 @@ from reflest_core.brdf.parameters import ALPHA, RHO_D, RHO_S
 from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.evaluation.estimates import SceneEstimates
 from reflest_core.evaluation.statistics.scene_measures import UNUSUAL_SHARE, measured, unusual
-from reflest_core.models.normalisation import WARD_NAMES, ParameterStatistics
+from reflest_core.models.card import WARD_NAMES, ParameterStatistics
 from reflest_core.synbrdf.scenes.scene_file import SynbrdfScene
 from reflest_core.training.data.sample import Sample
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.evaluation.statistics.bootstrap import mean_of_roots_over_groups, over_groups
 from reflest_core.training.light.calibration import fitted_calibration
-from reflest_core.training.light.measured_looks import HALF_WIDTH, MeasuredLooks
+from reflest_core.training.light.measured_scans import HALF_WIDTH, MeasuredScans
 from reflest_core.training.metrics import NormalisedRmse
 
 QUARTERS = 4
@@ -33,12 +33,12 @@ def measure_held_out_lights(folders: Sequence[Path]) -> dict[str, Any]:
     Raises:
         EvaluationError: there are fewer than two, or an environment was held out twice.
     """
-    measured = [MeasuredLooks.read(folder) for folder in folders]
+    measured = [MeasuredScans.read(folder) for folder in folders]
     if len(measured) < 2:
         raise EvaluationError(
             "--held-out needs two trainings or more: intervals of one are calibrated on the others"
         )
-    together = MeasuredLooks.joined(measured)
+    together = MeasuredScans.joined(measured)
     if len(together.lights) < sum(len(one.lights) for one in measured):
         raise EvaluationError("--held-out: each environment must be held out by one training alone")
     held = np.concatenate(_held(measured))
@@ -52,18 +52,18 @@ def measure_held_out_lights(folders: Sequence[Path]) -> dict[str, Any]:
     }
 
 
-def _held(measured: list[MeasuredLooks]) -> list[NDArray[np.bool_]]:
+def _held(measured: list[MeasuredScans]) -> list[NDArray[np.bool_]]:
     """For each training which truths (L, 5) its 90 % intervals hold."""
     found = []
     for k, one in enumerate(measured):
-        others = MeasuredLooks.joined(measured[:k] + measured[k + 1 :])
+        others = MeasuredScans.joined(measured[:k] + measured[k + 1 :])
         calibration = fitted_calibration(others)
         found.append(np.abs(one.errors) <= HALF_WIDTH * calibration.calibrated(one.deviations))
     return found
 
 
 def _figures(
-    together: MeasuredLooks, held: NDArray[np.bool_], chosen: NDArray[np.bool_]
+    together: MeasuredScans, held: NDArray[np.bool_], chosen: NDArray[np.bool_]
 ) -> dict[str, Any]:
     some = together.where(chosen)
     rmse = NormalisedRmse.of(some.errors)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from reflest_core.brdf import srgb
 from reflest_core.brdf.parameters import ALPHA, RHO_D, RHO_S
 from reflest_core.brdf.sampling import sample_specular, specular_weight
-from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.models.card import ParameterStatistics
 from reflest_core.surface.observed_surface import ObservedSurface
 
 Tensor = torch.Tensor

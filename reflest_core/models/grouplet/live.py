@@ -16,17 +16,17 @@ from numpy.typing import NDArray
 from reflest_core.brdf.parameters import PARAMETERS
 from reflest_core.inference.material import Explanation
 from reflest_core.jit import compiled
-from reflest_core.models.dense_layer import DenseLayer
+from reflest_core.models.definition import Scores
 from reflest_core.models.grouplet.grouplets import (
     BRANCH_INPUTS,
     BRANCHES,
     NODES_PER_VOXEL,
+    SEED,
     Grouplets,
     draw_grouplets,
 )
-from reflest_core.models.quantisation import Tensors
-from reflest_core.models.scores import Scores
-from reflest_core.models.threads import one_blas_thread, run_in_threads
+from reflest_core.models.linear_algebra import DenseLayer, one_blas_thread, run_in_threads
+from reflest_core.models.weights import Tensors
 from reflest_core.surface.observed_surface import ObservedSurface
 
 SHAPES: dict[str, tuple[int, ...]] = {
@@ -45,9 +45,6 @@ SHAPES: dict[str, tuple[int, ...]] = {
     "regressor.4.weight": (5, 128),
     "regressor.4.bias": (len(PARAMETERS),),
 }
-
-SEED = 0
-"""Grouplets are drawn at random but always alike, so that an estimate repeats bit for bit."""
 
 NODES_AT_ONCE = 16 * NODES_PER_VOXEL
 """What these nodes need stays in a core's own cache."""

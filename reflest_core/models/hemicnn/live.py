@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 
 from reflest_core.brdf.parameters import PARAMETERS
 from reflest_core.inference.material import Explanation
-from reflest_core.models.dense_layer import DenseLayer
+from reflest_core.models.definition import Scores
 from reflest_core.models.hemicnn.hemisphere_images import hemisphere_images
-from reflest_core.models.quantisation import Tensors
-from reflest_core.models.scores import Scores
-from reflest_core.models.threads import one_blas_thread
+from reflest_core.models.linear_algebra import DenseLayer, one_blas_thread
+from reflest_core.models.weights import Tensors
 from reflest_core.surface.observed_surface import ObservedSurface
 
 SHAPES: dict[str, tuple[int, ...]] = {

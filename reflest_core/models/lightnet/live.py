@@ -10,13 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.inference.material import Explanation
-from reflest_core.models.dense_layer import DenseLayer
-from reflest_core.models.lightnet.shading import Shading
+from reflest_core.models.definition import Scores
+from reflest_core.models.lightnet.features import LightFeatures, light_features
 from reflest_core.models.lightnet.shapes import FOUND_STRENGTHS
-from reflest_core.models.lightnet.surface_shading import surface_shading
-from reflest_core.models.quantisation import Tensors
-from reflest_core.models.scores import Scores
-from reflest_core.models.threads import one_blas_thread
+from reflest_core.models.linear_algebra import DenseLayer, one_blas_thread
+from reflest_core.models.weights import Tensors
 from reflest_core.surface.observed_surface import ObservedSurface
 
 Array = NDArray[np.float32]
@@ -50,28 +48,29 @@ class LiveLightNet:
         voxels: NDArray[np.int64],
         found: Explanation | None = None,
     ) -> Scores:
-        """Estimate from the shading of ``voxels``; see :class:`~.predictor.LiveNetwork`."""
-        return Scores(*self.evaluate(surface_shading(surface, voxels, found)))
+        """What the shading of ``voxels`` tells, under the light that the surface was seen in."""
+        return Scores(*self.evaluate(light_features(surface, voxels, found)))
 
-    def evaluate(self, look: Shading) -> tuple[Array, Array]:
+    def evaluate(self, features: LightFeatures) -> tuple[Array, Array]:
         """Means and log variances, (5,) each, of the z-scored parameters."""
         with one_blas_thread():
-            mean_light = look.diffuse_light.mean(axis=0)
-            voxels = self._described_voxels(look, mean_light)
+            mean_light = features.diffuse_light.mean(axis=0)
+            voxels = self._described_voxels(features, mean_light)
             weights = self._attention.linear(voxels)
             weights = np.exp(weights - weights.max(axis=0))
             weights /= weights.sum(axis=0)
             width = voxels.shape[-1] // weights.shape[-1]
             weighed = (np.repeat(weights, width, axis=-1) * voxels).sum(axis=0)
             spread = np.sqrt(voxels.var(axis=0) + np.float32(1e-6))
-            zone_light = _log(look.zones[:, :3] / mean_light).T
+            zone_light = _log(features.zones[:, :3] / mean_light).T
             of_channel = self._of_channel.scores(
                 np.concatenate(
-                    [look.channel_statistics, look.scene_fit.reshape(3, -1), zone_light], axis=-1
+                    [features.channel_statistics, features.scene_fit.reshape(3, -1), zone_light],
+                    axis=-1,
                 )
             )
             of_all = self._of_all.scores(
-                np.concatenate([look.statistics, look.zones[:, 3], look.zones[:, 4]])
+                np.concatenate([features.statistics, features.zones[:, 3], features.zones[:, 4]])
             )
             shared = np.concatenate([of_channel.mean(axis=0), of_all])
             shared = np.broadcast_to(shared, (3, len(shared)))
@@ -87,9 +86,9 @@ class LiveLightNet:
             strength = self._strength_head.linear(gloss)
             roughness = self._roughness_head.linear(gloss)
         found = (
-            look.found_albedo,
-            look.found_gloss[:FOUND_STRENGTHS],
-            look.found_gloss[FOUND_STRENGTHS:],
+            features.found_albedo,
+            features.found_gloss[:FOUND_STRENGTHS],
+            features.found_gloss[FOUND_STRENGTHS:],
         )
         answers = [
             _answer(np.atleast_2d(said), np.atleast_2d(of * scale))
@@ -103,32 +102,35 @@ class LiveLightNet:
         means, log_variances = (np.concatenate(parts) for parts in zip(*answers, strict=True))
         return means, log_variances
 
-    def _described_voxels(self, look: Shading, mean_light: Array) -> Array:
+    def _described_voxels(self, features: LightFeatures, mean_light: Array) -> Array:
         """(V, 3, width): every voxel by channel, from the observations that were made of it."""
-        voxel_of, slot = np.nonzero(look.is_seen)
+        voxel_of, slot = np.nonzero(features.is_seen)
         rows = len(voxel_of)
-        shares = np.concatenate([look.lobe_seen, look.lobe_clipped], axis=-1)[voxel_of, slot]
+        shares = np.concatenate([features.lobe_seen, features.lobe_clipped], axis=-1)[
+            voxel_of, slot
+        ]
         observations = np.concatenate(
             [
-                _log(look.apparent[voxel_of, slot])[..., None],
-                look.clipped[voxel_of, slot][..., None],
-                np.broadcast_to(look.cosine[voxel_of, slot][:, None, None], (rows, 3, 1)),
-                _log(look.lobe[voxel_of, slot]).transpose(0, 2, 1),
+                _log(features.apparent[voxel_of, slot])[..., None],
+                features.clipped[voxel_of, slot][..., None],
+                np.broadcast_to(features.cosine[voxel_of, slot][:, None, None], (rows, 3, 1)),
+                _log(features.lobe[voxel_of, slot]).transpose(0, 2, 1),
                 np.broadcast_to(shares[:, None], (rows, 3, shares.shape[-1])),
             ],
             axis=-1,
         )
         described = _run(self._observation, observations)
-        count = look.is_seen.sum(axis=1)
+        count = features.is_seen.sum(axis=1)
         starts = np.cumsum(count) - count
         norm = count[:, None, None].astype(np.float32)
         mean = np.add.reduceat(described, starts, axis=0) / norm
         squares = np.add.reduceat((described - mean[voxel_of]) ** 2, starts, axis=0) / norm
         greatest = np.maximum.reduceat(described, starts, axis=0)
         voxels = len(count)
-        known = np.stack([look.diffuse_seen, look.diffuse_clipped], axis=-1)
+        known = np.stack([features.diffuse_seen, features.diffuse_clipped], axis=-1)
         beside = np.concatenate(
-            [count[:, None] / np.float32(look.is_seen.shape[1]), look.normals, known], axis=-1
+            [count[:, None] / np.float32(features.is_seen.shape[1]), features.normals, known],
+            axis=-1,
         ).astype(np.float32)
         return _run(
             self._voxel,
@@ -137,9 +139,9 @@ class LiveLightNet:
                     mean,
                     np.sqrt(squares + np.float32(1e-6)),
                     greatest,
-                    _log(look.diffuse_light / mean_light)[..., None],
+                    _log(features.diffuse_light / mean_light)[..., None],
                     np.broadcast_to(beside[:, None], (voxels, 3, beside.shape[-1])),
-                    look.voxel_fit.reshape(voxels, 3, -1),
+                    features.voxel_fit.reshape(voxels, 3, -1),
                 ],
                 axis=-1,
             ),
@@ -147,7 +149,7 @@ class LiveLightNet:
 
 
 class _Standard(NamedTuple):
-    """Inputs in standard units; see :mod:`reflest_core.models.lightnet.standard`."""
+    """Inputs in standard units; see :class:`reflest_core.models.lightnet.network.Standard`."""
 
     mean: Array
     deviation: Array

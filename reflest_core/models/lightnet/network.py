@@ -3,7 +3,7 @@
 """lightnet: what the known light leaves open, read from many small ratios (our own network).
 
 Every number that goes in compares an observation with what the light seen in the background would
-do (:mod:`reflest_core.models.lightnet.shading`), or says what the physics found by itself and how
+do (:mod:`reflest_core.models.lightnet.features`), or says what the physics found by itself and how
 sure it is (:mod:`reflest_core.models.lightnet.scene_statistics`). The three colour channels pass
 through the same weights and meet only in means and maxima, so that none is special.
 """
@@ -13,7 +13,7 @@ from __future__ import annotations
 import torch
 from torch import nn
 
-from reflest_core.models.lightnet.live import FLOOR
+from reflest_core.models.lightnet.live import FLOOR, FURTHEST
 from reflest_core.models.lightnet.shapes import (
     FOUND_STRENGTHS,
     HEADS,
@@ -23,15 +23,13 @@ from reflest_core.models.lightnet.shapes import (
     TWO_LAYERS,
     VOXEL,
 )
-from reflest_core.models.lightnet.standard import Standard
-from reflest_core.models.model_choice import MODELS
 
-VOXELS = MODELS["lightnet"].voxels
-"""Voxels that an estimate rests on."""
 DROPPED = 0.3
 """Share of a scene's numbers that is left out at a time while training."""
 FOUND_SCALE = (5.0, 3.5, 15.0)
 """To begin with, what turns ``rho_d``, ``rho_s`` and ``alpha`` into standard units."""
+MOMENTUM = 0.01
+"""Share of a minibatch in the running means of :class:`Standard`."""
 
 
 class LightNet(nn.Module):
@@ -145,6 +143,39 @@ class LightNet(nn.Module):
         ]
         means, log_variances = (torch.cat(parts, dim=1) for parts in zip(*answers, strict=True))
         return means, log_variances
+
+
+class Standard(nn.Module):
+    """(..., N) to the same less the mean, over the standard deviation, within +-4.
+
+    While training, running means over the minibatches; unlike batch normalisation the same
+    numbers are used in training and afterwards.
+    """
+
+    mean: torch.Tensor
+    variance: torch.Tensor
+    seen: torch.Tensor
+
+    def __init__(self, inputs: int) -> None:
+        super().__init__()
+        self.register_buffer("mean", torch.zeros(inputs))
+        self.register_buffer("variance", torch.ones(inputs))
+        self.register_buffer("seen", torch.zeros(1))
+
+    def forward(self, values: torch.Tensor) -> torch.Tensor:
+        """Standard scores of ``values``."""
+        if self.training:
+            self._follow(values.detach().flatten(0, -2))
+        scores = (values - self.mean) / torch.sqrt(self.variance + 1e-4)
+        return scores.clamp(-FURTHEST, FURTHEST)
+
+    def _follow(self, values: torch.Tensor) -> None:
+        share = max(MOMENTUM, 1.0 / (float(self.seen) + 1.0))
+        offset = values.mean(dim=0) - self.mean
+        spread = values.var(dim=0, unbiased=False) + (1.0 - share) * offset**2
+        self.mean += share * offset
+        self.variance += share * (spread - self.variance)
+        self.seen += 1.0
 
 
 def _answer(said: torch.Tensor, found: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:

@@ -23,13 +23,15 @@ def scanned(
     is_exposure_locked: bool = False,
     looks_away: Sequence[Background] = (),
 ) -> ObservedSurface:
-    """What ``views`` show of the surface and of the light behind it; nothing of another view.
+    """Make the surface and the light behind it as a live scan from some views would have them.
 
-    ``looks_away``: frames beside the object that show more of the light.
+    Changes of exposure are found in the background and corrected, as while scanning.
 
-    Changes of exposure are told from the background and made up for, as while scanning.
-    ``is_exposure_locked`` says that there are none, and spares the search, which hardly ever finds
-    one then.
+    Args:
+        scene: The whole scene.
+        views: Indices of the views that show the surface.
+        is_exposure_locked: There are no changes of exposure; this spares the search for them.
+        looks_away: Frames beside the object that show more of the light.
     """
     surface = keep_views(scene.surface, views)
     if is_exposure_locked:

@@ -11,16 +11,16 @@ import torch
 from reflest_core.inference.transport.ward_lobe import ROUGHNESSES
 from reflest_core.models.lightnet.scene_statistics import CHANNEL_STATISTICS
 from reflest_core.training.data.sample import TrainingError
-from reflest_core.training.light.shading_axes import AXES
+from reflest_core.training.light.scan_file import AXES
 
-Look = dict[str, torch.Tensor]
+Features = dict[str, torch.Tensor]
 """The arguments of ``LightNet.forward``, batched."""
 
 PARTS = {
     "light": "where light comes from: F, B and the observations alone are left",
     "fit": "fits of roughness and albedo to voxels and to the scene",
-    "completion": "what the surface tells of light that was not seen, or seen clipped",
-    "visibility": "what the object hides from itself, and sends there instead (shaded anew)",
+    "completion": "what the surface says about light that was not seen, or seen clipped",
+    "visibility": "what the object hides from itself, and sends there (needs scans of its own)",
     "shares": "how much of the light was seen, and how much of that was clipped",
     "uncertainty": "the likelihood: the loss is the plain squared error",
 }
@@ -32,14 +32,17 @@ COMPLETED = {
     "statistics": (slice(0, 2 * _K + 4),),
     "found_albedo": (slice(None),),
 }
-"""What comes with the completed light: what the three fits of the light found, and the material
-fitted in it, among the numbers of :mod:`.scene_statistics` and by itself. The rest is shaded anew
-without it."""
+"""What comes with the completed light: results of the three fits of the light, and the material
+fitted in it, among the scene's statistics and by itself. The rest needs scans of its own."""
 SHARES = ("lobe_seen", "lobe_clipped", "diffuse_seen", "diffuse_clipped")
 
 
 def check_parts(without: tuple[str, ...]) -> None:
-    """Raise :class:`TrainingError` for a part that there is not."""
+    """Check names of parts.
+
+    Raises:
+        TrainingError: There is no part of a name; the sentence lists those that there are.
+    """
     for part in without:
         if part not in PARTS:
             raise TrainingError(
@@ -47,34 +50,41 @@ def check_parts(without: tuple[str, ...]) -> None:
             )
 
 
-def hide(look: Look, without: tuple[str, ...]) -> None:
-    """Take the named parts out of ``look``, in place."""
+def hide(features: Features, without: tuple[str, ...]) -> None:
+    """Remove parts of the features, in place.
+
+    Args:
+        features: Batched.
+        without: Names of :data:`PARTS`.
+    """
     if "light" in without:
-        _hide_directions(look)
+        _hide_directions(features)
     if "completion" in without:
         for name, columns in COMPLETED.items():
-            look[name] = look[name].clone()
+            features[name] = features[name].clone()
             for some in columns:
-                look[name][..., some] = 0.0
+                features[name][..., some] = 0.0
     if "fit" in without or "light" in without:
         for name in (name for name, axes in AXES.items() if "F" in axes):
-            look[name] = torch.zeros_like(look[name])
+            features[name] = torch.zeros_like(features[name])
     if "shares" in without or "light" in without:
         for name in SHARES:
-            look[name] = torch.zeros_like(look[name])
-        look["zones"] = torch.cat(
-            [look["zones"][..., :3], torch.zeros_like(look["zones"][..., 3:])], dim=-1
+            features[name] = torch.zeros_like(features[name])
+        features["zones"] = torch.cat(
+            [features["zones"][..., :3], torch.zeros_like(features["zones"][..., 3:])], dim=-1
         )
 
 
-def _hide_directions(look: Look) -> None:
+def _hide_directions(features: Features) -> None:
     """Colours beside the mean background, where they were beside each voxel's own light."""
-    zones = look["zones"]
+    zones = features["zones"]
     polar = (torch.arange(zones.shape[1], device=zones.device) + 0.5) * math.pi / zones.shape[1]
     weight = zones[..., 3:4] * polar.sin()[:, None]
     seen = (zones[..., :3] * weight).sum(1) / weight.sum(1).clamp(min=1e-6)
     background = seen.clamp(min=1e-4)[:, None]  # (B, 1, 3)
-    look["apparent"] = look["apparent"] * (look["diffuse_light"] / background)[:, :, None]
-    look["diffuse_light"] = background.expand_as(look["diffuse_light"])
-    look["lobe"] = torch.zeros_like(look["lobe"])
-    look["zones"] = torch.cat([background.expand_as(zones[..., :3]), zones[..., 3:]], dim=-1)
+    features["apparent"] = (
+        features["apparent"] * (features["diffuse_light"] / background)[:, :, None]
+    )
+    features["diffuse_light"] = background.expand_as(features["diffuse_light"])
+    features["lobe"] = torch.zeros_like(features["lobe"])
+    features["zones"] = torch.cat([background.expand_as(zones[..., :3]), zones[..., 3:]], dim=-1)

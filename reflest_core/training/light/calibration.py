@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Making ``lightnet``'s standard deviations true, on looks under light that it never saw."""
+"""Calibrates ``lightnet``'s standard deviations on scans under lights that it never saw."""
 
 from __future__ import annotations
 
@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from reflest_core.brdf.parameters import ALPHA, RHO_D, RHO_S
-from reflest_core.models.calibration import Calibration
-from reflest_core.training.light.measured_looks import HALF_WIDTH, HELD_SHARE, MeasuredLooks
+from reflest_core.models.card import Calibration
+from reflest_core.training.light.measured_scans import HALF_WIDTH, HELD_SHARE, MeasuredScans
 
 KINDS = (RHO_D, slice(RHO_S, RHO_S + 1), slice(ALPHA, ALPHA + 1))
-"""The channels of ``rho_d``, which pass the same weights and so share their calibration: which of
-them erred more is what the few lights that were held out had, not the network; ``rho_s``;
-``alpha``."""
+"""Which parameters share a fit: the channels of ``rho_d``, which pass the same weights (which
+of them errs more depends on the few lights that were held out); ``rho_s``; ``alpha``."""
 POWERS = (0.3, 3.0)
 """The powers tried."""
 SMALLEST = 1e-6
@@ -24,12 +23,15 @@ FARTHEST = 3.0
 """Errors of more standard deviations than this count as this many in the correlation."""
 
 
-def fitted_calibration(held_out: MeasuredLooks) -> Calibration:
-    """Such that 90 % intervals hold 90 % of the held-out truths, where it is sure and where not.
+def fitted_calibration(held_out: MeasuredScans) -> Calibration:
+    """Fit a calibration by which 90 % intervals hold 90 % of the truths, at all deviations.
 
-    The 0.9-quantile of the errors as a power law of the stated deviations, by quantile regression
-    of their logarithms (Koenker and Bassett 1978), for each of :data:`KINDS`. A scan stands in a
-    new light: each light counts as much as any other, however many looks it has.
+    The 0.9-quantile of the errors is fitted as a power law of the stated deviations, by quantile
+    regression of their logarithms (Koenker and Bassett 1978), for each of :data:`KINDS`. Each light
+    counts as much as any other, however many scans it has.
+
+    Args:
+        held_out: Errors under lights that training never saw.
     """
     factors, powers = np.ones(5), np.ones(5)
     for kind in KINDS:
@@ -40,8 +42,8 @@ def fitted_calibration(held_out: MeasuredLooks) -> Calibration:
             np.log(held_out.deviations[:, kind]).ravel(),
             weights,
         )
-    made_true = Calibration(factors, powers).calibrated(held_out.deviations)
-    return Calibration(factors, powers, _correlation(held_out.errors / made_true))
+    calibrated = Calibration(factors, powers).calibrated(held_out.deviations)
+    return Calibration(factors, powers, _correlation(held_out.errors / calibrated))
 
 
 def _power_law(

@@ -1,67 +1,43 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A minibatch of scenes, each seen from some of its views at some of its voxels."""
+"""Draws minibatches of scenes, each seen from some of its views at some of its voxels."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
 from reflest_core.jit import compiled
-from reflest_core.training.data.augmentation import Augmentation
-from reflest_core.training.surface.packed_scenes import PackedScenes
+from reflest_core.models.minibatch import DrawnScenes, PackedScenes
+from reflest_core.models.recipe import Augmentation
 from reflest_core.training.surface.spread_voxels import random_voxels, spread_voxels
 
 Tensor = torch.Tensor
-
-
-@dataclass(frozen=True)
-class DrawnScenes:
-    """B scenes at N voxels, each with places for M observations.
-
-    ``scenes``: (B,) indices of the packed scenes. ``voxels``: (B, N), ``rows`` and ``views``:
-    (B, N, M) indices of packed voxels, observations and views. ``seen``: (B, N, M) bool, the
-    places that hold an observation from a kept view. ``rotation``: (B, 3, 3), a turn of the world
-    about the vertical. ``channels``: (B, 3), the order of the colour channels.
-    """
-
-    scenes: Tensor
-    voxels: Tensor
-    rows: Tensor
-    views: Tensor
-    seen: Tensor
-    rotation: Tensor
-    channels: Tensor
-
-    def swap(self, colours: Tensor) -> Tensor:
-        """``colours`` (B, ..., 3) with each scene's channels in its drawn order."""
-        order = self.channels.view(len(self.channels), *[1] * (colours.ndim - 2), 3)
-        return colours.gather(-1, order.expand(colours.shape))
-
-    def turn(self, vectors: Tensor) -> Tensor:
-        """``vectors`` (B, ..., 3) turned with each scene's world."""
-        turned: Tensor = torch.einsum("bij,b...j->b...i", self.rotation, vectors)
-        return turned
 
 
 class SceneDrawer:
     """Draws minibatches of one :class:`PackedScenes` from one generator, on its device."""
 
     def __init__(self, packed: PackedScenes, augmentation: Augmentation) -> None:
+        """Prepare to draw from ``packed``, varied by ``augmentation``."""
         self.packed, self.augmentation = packed, augmentation
         self.most_voxels, self.most_views = packed.most_voxels, packed.most_views
         self.most_observations = packed.most_observations
         self.device = packed.ward.device
 
     def draw(self, batch_size: int, voxels: int, generator: torch.Generator) -> DrawnScenes:
-        """Draw ``batch_size`` scenes at ``voxels`` voxels each; equal seeds draw the same.
+        """Draw scenes; equally seeded generators draw the same.
 
         Voxels are chosen as :func:`~reflest_core.surface.voxel_choice.choose_voxels` does among
         ``augmentation.candidates``, or at random where ``augmentation.spread`` is off.
+
+        Args:
+            batch_size: B, scenes; one may be drawn twice.
+            voxels: N, voxels of each.
+            generator: Of random numbers, on the scenes' device.
         """
         packed = self.packed
         scenes = torch.randint(packed.count, (batch_size,), generator=generator, device=self.device)
@@ -90,7 +66,12 @@ class SceneDrawer:
         )
 
     def view_means(self, means: Tensor, scenes: Tensor) -> Tensor:
-        """F or B of all views of the given scenes (B, W, 3), NaN in the places of no view."""
+        """Gather F or B of all views of some scenes: (B, W, 3), NaN in the places of no view.
+
+        Args:
+            means: F or B of all packed views.
+            scenes: (B,) indices of scenes.
+        """
         first = self.packed.first_view[scenes][:, None]
         count = self.packed.first_view[scenes + 1][:, None] - first
         place = torch.arange(self.most_views, device=self.device)
@@ -160,7 +141,7 @@ def _kept_counts(
 
 
 def about_vertical(angles: Tensor) -> Tensor:
-    """Rotations (B, 3, 3) by ``angles`` (B,) radians about +z."""
+    """Make rotations (B, 3, 3) by ``angles`` (B,) radians about +z."""
     cosine, sine, zero, one = angles.cos(), angles.sin(), angles * 0, angles * 0 + 1
     rows = [cosine, -sine, zero, sine, cosine, zero, zero, zero, one]
     return torch.stack(rows, dim=1).view(-1, 3, 3)

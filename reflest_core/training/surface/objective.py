@@ -11,8 +11,8 @@ from reflest_core.brdf.gloss import labcd_to_ward, ward_to_labcd
 from reflest_core.brdf.half_angle import HalfAngleQuadrature
 from reflest_core.brdf.losses import colour_constancy, cube_root, parameter_distance
 from reflest_core.brdf.parameters import ALPHA, RHO_D, RHO_S
-from reflest_core.models.normalisation import ParameterStatistics
-from reflest_core.training.recipe import Recipe
+from reflest_core.models.card import ParameterStatistics
+from reflest_core.models.recipe import Recipe
 from reflest_core.training.surface.batches import Batch
 
 SMALLEST_ALPHA = 0.01
@@ -23,11 +23,18 @@ QUADRATURE = (32, 6, 6)
 
 
 class Objective:
-    """The recipe's loss, with the training set's statistics."""
+    """The recipe's loss, of z-scored outputs."""
 
     def __init__(
         self, recipe: Recipe, statistics: ParameterStatistics, device: torch.device
     ) -> None:
+        """Prepare the loss.
+
+        Args:
+            recipe: The training's.
+            statistics: The training set's, of the parameters that the loss is written in.
+            device: Where the outputs are.
+        """
         self.recipe = recipe
         self.mean = torch.from_numpy(statistics.mean.astype(np.float32)).to(device)
         self.stddev = torch.from_numpy(statistics.stddev.astype(np.float32)).to(device)
@@ -38,7 +45,7 @@ class Objective:
         )
 
     def __call__(self, scores: torch.Tensor, batch: Batch) -> torch.Tensor:
-        """Mean of J over the batch; ``scores`` (B, 5) are the network's outputs."""
+        """Compute the mean of J over a batch from the network's outputs (B, 5)."""
         loss = self._data_loss(scores, batch.ward)
         if self.recipe.colour_constancy:
             ward = self._as_ward(scores)

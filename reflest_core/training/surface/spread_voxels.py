@@ -15,10 +15,16 @@ Tensor = torch.Tensor
 
 
 def spread_voxels(positions: Tensor, normals: Tensor, observations: Tensor, count: int) -> Tensor:
-    """Indices (B, count) of voxels that stand for each surface: k-centres, most often observed.
+    """Choose voxels that represent each surface: k-centres, most often observed (Gonzalez 1985).
 
-    ``positions``, ``normals``: (B, C, 3). ``observations``: (B, C), 0 for a voxel that must not
-    be chosen. Where there are too few, some stand in twice.
+    Args:
+        positions: (B, C, 3) of candidates.
+        normals: (B, C, 3).
+        observations: (B, C), 0 for a voxel that must not be chosen.
+        count: Voxels to choose; where there are too few candidates, some are chosen twice.
+
+    Returns:
+        (B, count) indices of candidates.
     """
     eligible = _eligible(observations, count)
     points = _cluster_space(positions.double(), normals.double(), eligible)
@@ -32,7 +38,16 @@ def spread_voxels(positions: Tensor, normals: Tensor, observations: Tensor, coun
 
 
 def random_voxels(priority: Tensor, observations: Tensor, count: int) -> Tensor:
-    """Indices (B, count) of random voxels, the smallest ``priority`` (B, C) first."""
+    """Choose random voxels, the smallest priority first.
+
+    Args:
+        priority: (B, C) random numbers.
+        observations: (B, C), 0 for a voxel that must not be chosen.
+        count: As for :func:`spread_voxels`.
+
+    Returns:
+        (B, count) indices of candidates.
+    """
     eligible = _eligible(observations, count)
     first = priority.masked_fill(~eligible, torch.inf).argsort(dim=1)[:, :count]
     return _repeat_first(first, eligible.gather(1, first), count)
@@ -54,7 +69,7 @@ def _cluster_space(positions: Tensor, normals: Tensor, eligible: Tensor) -> Tens
 
 
 def _k_centre_clusters(points: Tensor, eligible: Tensor, count: int) -> Tensor:
-    """Cluster (B, C) of each point (Gonzalez 1985)."""
+    """Cluster (B, C) of each point."""
     if points.device.type == "cpu":
         return torch.from_numpy(_one_by_one(points.numpy(), eligible.numpy(), count))
     return _in_step(points, eligible, count)

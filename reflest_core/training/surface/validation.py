@@ -8,19 +8,24 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from reflest_core.models.normalisation import ParameterStatistics
-from reflest_core.models.registry import NETWORKS, FeatureDraw, Inputs
+from reflest_core.models.card import ParameterStatistics
+from reflest_core.models.recipe import Recipe
+from reflest_core.models.registry import network_named
 from reflest_core.surface.voxel_choice import choose_voxels
 from reflest_core.training.data.sample import Sample
 from reflest_core.training.metrics import normalised_rmse
-from reflest_core.training.recipe import Recipe
 
+Inputs = tuple[torch.Tensor, ...]
 GROUPED = 16
 """Scenes with inputs of one shape that pass the network at once."""
 
 
 class Validation:
-    """The validation scenes as a network's inputs, on the training device."""
+    """The validation scenes as a network's inputs, on the training device.
+
+    Attributes:
+        truths: (S, 5) true parameters, in those that the network is trained on.
+    """
 
     def __init__(
         self,
@@ -29,17 +34,25 @@ class Validation:
         statistics: ParameterStatistics,
         device: torch.device,
     ) -> None:
+        """Build the features of every sample.
+
+        Args:
+            samples: The S validation scenes.
+            recipe: The training's.
+            statistics: The training set's, of the parameters that the network is trained on.
+            device: Where the network is.
+        """
         self.statistics = statistics
         self.inputs = [_features(sample, recipe, device) for sample in samples]
         self.truths = np.stack([sample.parameters(recipe.parameters) for sample in samples])
         self.groups = _groups(self.inputs)
 
     def rmse(self, module: torch.nn.Module) -> float:
-        """Normalised RMSE of the network, in the parameters that it is trained on."""
+        """Measure the network's normalised RMSE, in the parameters that it is trained on."""
         return normalised_rmse(self.predict(module), self.truths, self.statistics).overall
 
     def predict(self, module: torch.nn.Module) -> NDArray[np.float64]:
-        """(S, 5) parameters."""
+        """Estimate (S, 5) parameters."""
         scores = np.empty(self.truths.shape)
         with torch.inference_mode():
             for group in self.groups:
@@ -51,8 +64,8 @@ class Validation:
 
 def _features(sample: Sample, recipe: Recipe, device: torch.device) -> Inputs:
     voxels = choose_voxels(sample.surface, recipe.validation_voxels)
-    features = NETWORKS[recipe.network].features(sample.surface, voxels, FeatureDraw(seed=0))
-    return tuple(tensor.to(device) for tensor in features)
+    features = network_named(recipe.network).features(sample.surface, voxels)
+    return tuple(torch.from_numpy(values).to(device) for values in features)
 
 
 def _groups(inputs: list[Inputs]) -> list[list[int]]:

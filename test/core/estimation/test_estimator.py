@@ -15,7 +15,7 @@ from reflest_core.brdf.gloss import ward_to_labcd
 from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.estimation.estimator import Estimator, NoEstimate, physical_ward
 from reflest_core.estimation.settings import EstimationSettings
-from reflest_core.models.weights import shipped_models
+from reflest_core.models.registry import shipped_models
 from test.core.lit_surfaces import lit
 from test.core.surfaces import sphere_surface, without_observations
 

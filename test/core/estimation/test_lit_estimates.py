@@ -13,7 +13,7 @@ from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.inference.light import assumed_light
 from reflest_core.light.light_map import LightMap
-from reflest_core.models.calibration import Calibration
+from reflest_core.models.card import Calibration
 from test.core.lit_surfaces import lit
 from test.core.surfaces import sphere_surface, without_observations
 from test.core.weight_files import USUAL, untrained_lightnet

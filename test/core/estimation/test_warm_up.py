@@ -17,7 +17,7 @@ import reflest_core.surface
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.estimation.warm_up import warm_up
-from reflest_core.models.model_choice import MODELS
+from reflest_core.models.registry import models
 from test.core.lit_surfaces import lit
 from test.core.surfaces import sphere_surface
 from test.core.weight_files import untrained_lightnet
@@ -41,7 +41,7 @@ def compiled_versions():
     return versions
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", models())
 def test_no_kernel_is_compiled_afterwards(model, tmp_path):
     weights = str(untrained_lightnet(tmp_path)) if model == "lightnet" else ""
     estimator = Estimator(EstimationSettings(model=model, weights=weights, up=(0.0, -1.0, 0.0)))

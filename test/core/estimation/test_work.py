@@ -10,7 +10,7 @@ import pytest
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.models.grouplet import live as live_grouplet
-from reflest_core.models.model_choice import MODELS
+from reflest_core.models.registry import models, network_of_model
 from reflest_core.surface import voxel_choice
 from reflest_core.surface.voxel_choice import MOST_CANDIDATES
 from test.core.lit_surfaces import lit
@@ -56,7 +56,7 @@ def work_on(surface, model, work, weights=""):
     return dict(work)
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", models())
 def test_a_tenfold_scan_costs_no_more(model, work, tmp_path):
     weights = str(untrained_lightnet(tmp_path)) if model == "lightnet" else ""
     small, large = (
@@ -67,7 +67,7 @@ def test_a_tenfold_scan_costs_no_more(model, work, tmp_path):
         # Of more voxels better observed ones are chosen, whose observations repeat less often.
         assert cost <= 1.2 * small[kind], kind
     # lightnet's physics looks at twice as many voxels of its own choice.
-    chosen = (3 if MODELS[model].sees_light else 1) * MODELS[model].voxels
+    chosen = (3 if network_of_model(model).sees_light else 1) * models()[model].voxels
     assert large["distances"] <= MOST_CANDIDATES * chosen
 
 
@@ -75,7 +75,7 @@ def test_a_tenfold_scan_costs_no_more(model, work, tmp_path):
 def test_grouplet_multiplies_no_observation_twice(model, work):
     done = work_on(sphere_surface(voxels=2_000, views=60), model, work)
     nodes, observations, pairs = (done[name] for name in ("nodes", "observations", "pairs"))
-    assert nodes == 10 * MODELS[model].voxels
+    assert nodes == 10 * models()[model].voxels
     assert observations < 0.7 * 5 * nodes
     assert pairs < 0.9 * 5 * nodes
     assert done["multiplications"] == (

@@ -19,10 +19,10 @@ from reflest_core.models.hemicnn.live import LiveHemiCNN
 from reflest_core.models.hemicnn.network import HemiCNN
 from reflest_core.models.lightnet import shapes as lightnet_shapes
 from reflest_core.models.lightnet.network import LightNet
-from reflest_core.models.model_choice import MODELS
 from reflest_core.models.predictor import Predictor
+from reflest_core.models.registry import models, network_of_model, shipped_models
 from reflest_core.models.torch_network import DeviceError, TorchNetwork
-from reflest_core.models.weights import SHIPPED, load_weights, shipped_models
+from reflest_core.models.weights import load_weights
 from reflest_core.surface.voxel_choice import choose_voxels
 from test.core.lit_surfaces import lit
 from test.core.surfaces import sphere_surface
@@ -75,16 +75,16 @@ def weights(request, tmp_path):
     """A model and a weight file for it."""
     if request.param == "lightnet, untrained":
         return "lightnet", untrained_lightnet(tmp_path)
-    return request.param, SHIPPED / MODELS[request.param].file
+    return request.param, models()[request.param].weights
 
 
 def test_weights_predict_what_pytorch_predicts(weights):
     model, path = weights
-    choice = MODELS[model]
+    choice = network_of_model(model)
     surface = lit(SURFACE, seen=0.6, lamp=True)
-    voxels = choose_voxels(surface, choice.voxels)
+    voxels = choose_voxels(surface, models()[model].voxels)
     live = Predictor(model, path).network.scores(surface, voxels)
-    expected = TorchNetwork(choice.network, load_weights(path)[0], "cpu").scores(surface, voxels)
+    expected = TorchNetwork(choice, load_weights(path)[0], "cpu").scores(surface, voxels)
     np.testing.assert_allclose(live.means, expected.means, atol=2e-5)
     assert (live.log_variances is not None) == choice.sees_light
     if choice.sees_light:
@@ -98,7 +98,7 @@ def test_cuda_predicts_what_the_cpu_predicts(weights):
     expected, found, again = (one.predict(surface) for one in (cpu, cuda, cuda))
     np.testing.assert_allclose(found.ward, expected.ward, rtol=1e-4, atol=1e-5)
     np.testing.assert_array_equal(found.ward, again.ward)
-    if MODELS[weights[0]].sees_light:
+    if network_of_model(weights[0]).sees_light:
         np.testing.assert_allclose(found.stddev, expected.stddev, rtol=1e-4)
         np.testing.assert_array_equal(found.stddev, again.stddev)
 
@@ -117,7 +117,7 @@ def test_cuda_without_pytorch_is_refused_with_the_knob(monkeypatch):
 
 def test_the_number_of_threads_changes_no_bit():
     drawn = draw_grouplets(SURFACE, choose_voxels(SURFACE, 354), 0)
-    tensors, _, _ = load_weights(SHIPPED / "grouplet-rmse1.safetensors")
+    tensors, _, _ = load_weights(models()["grouplet-slow"].weights)
     one, many = (LiveGrouplet(tensors, threads) for threads in (1, 3))
     expected = one.evaluate(drawn)
     for network in (one, many, many):
@@ -142,7 +142,7 @@ def test_estimating_imports_neither_pytorch_nor_what_trains():
         "from reflest_core.cli.replay_run import replay\n"
         "from reflest_core.models.lightnet.live import LiveLightNet\n"
         "from reflest_core.models.predictor import Predictor\n"
-        "from reflest_core.models.weights import shipped_models\n"
+        "from reflest_core.models.registry import shipped_models\n"
         "for model in shipped_models(): Predictor(model)\n"
         "heavy = {'torch', 'mitsuba', 'dask', 'matplotlib', 'onnxruntime'}\n"
         "print(sorted(heavy & set(sys.modules)))\n"

@@ -8,19 +8,18 @@ from safetensors import safe_open
 from safetensors.numpy import save_file
 
 from reflest_core.brdf.parameters import WardVariant
+from reflest_core.models.card import ParameterStatistics
 from reflest_core.models.grouplet.network import Grouplet
 from reflest_core.models.hemicnn.network import HemiCNN
-from reflest_core.models.model_choice import MODELS
-from reflest_core.models.normalisation import ParameterStatistics
-from reflest_core.models.predictor import SHAPES, Predictor
-from reflest_core.models.quantisation import dequantise, quantise
+from reflest_core.models.predictor import Predictor
+from reflest_core.models.registry import models, network_named, shipped_models
 from reflest_core.models.weights import (
-    SHIPPED,
     WeightsCard,
     WeightsError,
+    dequantise,
     load_weights,
+    quantise,
     save_weights,
-    shipped_models,
 )
 
 
@@ -65,12 +64,14 @@ def test_file_sizes_meet_the_papers(tmp_path):
     assert (tmp_path / "g.safetensors").stat().st_size <= 340_000
 
 
-@pytest.mark.parametrize("file", sorted({MODELS[model].file for model in shipped_models()}))
+@pytest.mark.parametrize("file", sorted({models()[model].weights for model in shipped_models()}))
 def test_shipped_weights_are_whole_and_small(file):
-    tensors, shipped, _ = load_weights(SHIPPED / file)
+    tensors, shipped, _ = load_weights(file)
     limit = {"hemicnn": 60_000, "grouplet": 340_000, "lightnet": 340_000}[shipped.network]
-    assert (SHIPPED / file).stat().st_size <= limit
-    assert {name: tensor.shape for name, tensor in tensors.items()} == SHAPES[shipped.network]
+    assert file.stat().st_size <= limit
+    assert {name: tensor.shape for name, tensor in tensors.items()} == network_named(
+        shipped.network
+    ).shapes()
     assert shipped.variant is WardVariant.WARD_1992
     assert shipped.recipe["minibatches"] > 0
     assert (shipped.output_statistics.stddev > 0).all()

@@ -12,7 +12,7 @@ from reflest_core.light.light_map import SIZE, LightMap
 from reflest_core.light.octahedral import octahedral_solid_angles, octahedral_texel
 from reflest_core.light.turned_light import turned_light
 from reflest_core.models.hemicnn.hemisphere_images import hemisphere_images
-from reflest_core.models.lightnet.shading import shading
+from reflest_core.models.lightnet.features import features_of
 from reflest_core.surface.upright import _shortest_rotation_to_z, upright
 from test.core.surfaces import sphere_surface
 
@@ -49,7 +49,7 @@ def sky(directions):
     return np.stack([120 + 80 * x, 130 + 60 * z, 120 + 100 * z], axis=1).astype(np.uint8)
 
 
-def test_a_lying_world_gives_the_shading_of_the_z_up_world():
+def test_a_lying_world_gives_the_features_of_the_z_up_world():
     """The light is turned with the surface, so nothing that lightnet looks at changes much."""
     swap = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]], np.float32)
     directions = np.random.default_rng(3).normal(size=(200_000, 3)).astype(np.float32)
@@ -68,7 +68,7 @@ def test_a_lying_world_gives_the_shading_of_the_z_up_world():
     voxels = np.arange(0, 300, 7)
     raised = upright(lying, (0.0, -1.0, 0.0))
     expected, found, forgotten = (
-        shading(explain(*scene), voxels).diffuse_light
+        features_of(explain(*scene), voxels).diffuse_light
         for scene in ((standing, standing.light), (raised, raised.light), (raised, lying.light))
     )
     # Turning looks each texel up among the old ones: a little is lost where what was seen ends, and

@@ -8,24 +8,23 @@ import numpy as np
 import pytest
 import torch
 
+from reflest_core.models.grouplet.batched_grouplets import batched_grouplets, choose_observations
 from reflest_core.models.grouplet.grouplets import DRAWN_FROM, draw_grouplets
+from reflest_core.models.hemicnn import batched_hemispheres as hemispheres
 from reflest_core.models.hemicnn.hemisphere_images import hemisphere_images
+from reflest_core.models.minibatch import PackedScenes
+from reflest_core.models.recipe import Augmentation
 from reflest_core.surface.selection import keep_views
 from reflest_core.surface.tangent_frame import tangent_frame
 from reflest_core.surface.voxel_choice import choose_voxels
-from reflest_core.training.data.augmentation import Augmentation
-from reflest_core.training.data.sample import Sample
-from reflest_core.training.surface import batched_hemispheres as hemispheres
 from reflest_core.training.surface import spread_voxels as spread
-from reflest_core.training.surface.batched_grouplets import batched_grouplets, choose_observations
 from reflest_core.training.surface.drawn_scenes import SceneDrawer
-from reflest_core.training.surface.packed_scenes import PackedScenes
 from reflest_core.training.surface.spread_voxels import random_voxels, spread_voxels
 from test.core.surfaces import sphere_surface
 
 # The second has voxels with fewer than five observations.
 SURFACES = [sphere_surface(300, 30, 0), sphere_surface(200, 9, 1), sphere_surface(30, 25, 2)]
-PACKED = PackedScenes.of([Sample(surface, np.full(5, 0.1)) for surface in SURFACES])
+PACKED = PackedScenes.of(SURFACES, np.full((3, 5), 0.1))
 EVERYTHING = Augmentation(views=(1000, 1000), candidates=1000, channel_swap=False)
 
 

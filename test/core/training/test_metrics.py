@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.models.card import ParameterStatistics
 from reflest_core.training.metrics import normalised_rmse
 
 

@@ -7,10 +7,9 @@ import pytest
 import torch
 
 from reflest_core.cli.main import main
-from reflest_core.models.registry import NETWORKS
+from reflest_core.models.registry import network_named
 from reflest_core.models.weights import load_weights
 from reflest_core.training.data.sample import TrainingError
-from reflest_core.training.recipe import PAPER_RECIPES
 from reflest_core.training.starting_weights import StartingWeights
 from reflest_core.training.variants import variant_named
 from test.core.training.scenes import write_synbrdf
@@ -49,7 +48,7 @@ def test_all_but_a_last_layer_of_other_parameters_is_kept(first, loss, is_last_k
     given, card, _ = load_weights(first)
     recipe = variant_named(f"{card.network}-{loss}").recipe()
     torch.manual_seed(5)
-    module = NETWORKS[card.network].make()
+    module = network_named(card.network).module()
     before = {name: tensor.clone() for name, tensor in module.state_dict().items()}
     StartingWeights.read(first, recipe).put_into(module, recipe)
     last = {"hemicnn": "fc3.", "grouplet": "regressor.4."}[card.network]
@@ -82,7 +81,7 @@ def test_weights_of_the_other_network_and_two_networks_are_refused(data, first, 
     _, card, _ = load_weights(first)
     other = {"hemicnn": "grouplet", "grouplet": "hemicnn"}[card.network]
     with pytest.raises(TrainingError, match=f"weights of {card.network}, from which {other}"):
-        StartingWeights.read(first, PAPER_RECIPES[other])
+        StartingWeights.read(first, network_named(other).recipes["paper"])
     everything = ["train", str(data), "--all", "--from", str(first), "--out", str(tmp_path)]
     assert main(everything) == 2
     assert "--from goes with one variant" in capsys.readouterr().err

@@ -11,14 +11,14 @@ import pytest
 import torch
 
 from reflest_core.models.predictor import Predictor
+from reflest_core.models.recipe import WEIGHT_DECAY, Augmentation
+from reflest_core.models.registry import network_named
 from reflest_core.models.weights import load_weights
-from reflest_core.training.data.augmentation import Augmentation
 from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.data.sample_sets import TrainingData
 from reflest_core.training.processes import Processes
-from reflest_core.training.recipe import PAPER_RECIPES, WEIGHT_DECAY
-from reflest_core.training.run_folder import RunFolder
-from reflest_core.training.surface.surface_course import SurfaceCourse
+from reflest_core.training.surface.task import SurfaceTask
+from reflest_core.training.task import RunFolder
 from reflest_core.training.trainer import Trainer
 from reflest_core.training.weight_average import WeightAverage
 from reflest_core.whole_file import OutputError
@@ -37,12 +37,12 @@ def recipe(network="hemicnn", **changes):
         "validation_voxels": 8,
         "augmentation": SMALL,
     }
-    return dataclasses.replace(PAPER_RECIPES[network], **{**small, **changes})
+    return dataclasses.replace(network_named(network).recipes["paper"], **{**small, **changes})
 
 
 def train(folder, validate_every=1000, tensorboard=False, **changes):
     place = RunFolder(folder, "weights", validate_every, tensorboard)
-    course = SurfaceCourse(recipe(**changes), DATA, ALONE.device)
+    course = SurfaceTask(recipe(**changes), DATA, ALONE.device)
     return Trainer(course, place, ALONE).run()
 
 

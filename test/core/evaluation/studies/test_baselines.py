@@ -17,7 +17,7 @@ from reflest_core.evaluation.studies.single_image import (
     _ward,
     fullest_view,
 )
-from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.models.card import ParameterStatistics
 from test.core.surfaces import sphere_surface
 
 STATISTICS = ParameterStatistics(

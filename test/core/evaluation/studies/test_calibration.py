@@ -7,7 +7,7 @@ import pytest
 
 from reflest_core.evaluation.estimates import SceneEstimates
 from reflest_core.evaluation.studies.calibration import LEVELS, half_width, measure_calibration
-from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.models.card import ParameterStatistics
 from reflest_core.training.data.sample import Sample
 
 STATISTICS = ParameterStatistics(np.full(5, 0.3), np.array([0.2, 0.2, 0.2, 0.3, 0.05]))

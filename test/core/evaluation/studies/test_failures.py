@@ -14,7 +14,7 @@ from reflest_core.evaluation.statistics.scene_measures import MEASURES, measured
 from reflest_core.evaluation.studies.failures import find_failures
 from reflest_core.light.light_map import LightMap
 from reflest_core.light.octahedral import octahedral_directions
-from reflest_core.models.normalisation import ParameterStatistics
+from reflest_core.models.card import ParameterStatistics
 from reflest_core.training.data.sample import Sample
 from test.core.surfaces import sphere_surface
 from test.core.training.scenes import LIGHTS, learnable_samples, stored_scene

@@ -9,7 +9,7 @@ from reflest_core.cli.main import main
 from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.evaluation.sections.held_out import held_out_lights
 from reflest_core.evaluation.studies.held_out_lights import measure_held_out_lights
-from reflest_core.training.light.measured_looks import MeasuredLooks
+from reflest_core.training.light.measured_scans import MeasuredScans
 
 
 def training(folder, size, lights, count=2000):
@@ -17,7 +17,7 @@ def training(folder, size, lights, count=2000):
     folder.mkdir()
     rng = np.random.default_rng(len(lights) + int(10 * size))
     deviations = rng.uniform(0.1, 1.0, (count, 5))
-    measured = MeasuredLooks(
+    measured = MeasuredScans(
         size * deviations * rng.normal(size=(count, 5)),
         deviations,
         np.tile([100, 10], count // 2),

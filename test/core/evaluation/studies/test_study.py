@@ -19,7 +19,7 @@ from reflest_core.evaluation.pictures import swatches
 from reflest_core.evaluation.pictures.bumpy import SIZE
 from reflest_core.evaluation.statistics.bootstrap import mean_of_roots_over_groups
 from reflest_core.evaluation.studies import single_image, view_study
-from reflest_core.models.normalisation import LABCD_NAMES, WARD_NAMES
+from reflest_core.models.card import LABCD_NAMES, WARD_NAMES
 from reflest_core.models.predictor import Predictor
 from reflest_core.training.data.sample import TrainingError, load_samples
 from reflest_core.training.data.sample_file import read_samples

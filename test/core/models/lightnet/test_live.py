@@ -10,11 +10,11 @@ import torch
 
 from reflest_core.inference.material import explain
 from reflest_core.light.light_map import LightMap
+from reflest_core.models.lightnet import VOXELS, LightNet
+from reflest_core.models.lightnet.features import LightFeatures, features_of
 from reflest_core.models.lightnet.live import LiveLightNet
-from reflest_core.models.lightnet.network import VOXELS, LightNet
-from reflest_core.models.lightnet.shading import Shading, shading
 from reflest_core.surface.voxel_choice import choose_voxels
-from reflest_core.training.light.shading_axes import AXES
+from reflest_core.training.light.scan_file import AXES
 from test.core.surfaces import sphere_surface
 
 
@@ -34,12 +34,12 @@ def look_at(voxels, seed=0):
         rng.integers(0, 256, (int((directions[:, 2] < 0.5).sum()), 3)).astype(np.uint8),
     )
     surface = sphere_surface(voxels=300, views=40)
-    return shading(explain(surface, light.observed()), choose_voxels(surface, voxels))
+    return features_of(explain(surface, light.observed()), choose_voxels(surface, voxels))
 
 
 def batched(look, padding):
     arrays = {}
-    for field in dataclasses.fields(Shading):
+    for field in dataclasses.fields(LightFeatures):
         array = getattr(look, field.name)
         if AXES[field.name].startswith("V"):
             array = np.pad(array, [(0, padding)] + [(0, 0)] * (array.ndim - 1))

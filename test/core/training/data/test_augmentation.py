@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import torch
 
+from reflest_core.models.minibatch import PackedScenes
+from reflest_core.models.recipe import Augmentation
 from reflest_core.surface.selection import keep_views
-from reflest_core.training.data.augmentation import Augmentation
 from reflest_core.training.data.sample import Sample
 from reflest_core.training.surface.drawn_scenes import SceneDrawer, about_vertical
-from reflest_core.training.surface.packed_scenes import PackedScenes
 from test.core.surfaces import sphere_surface
 
 SURFACE = sphere_surface()
@@ -31,7 +31,9 @@ def observations(surface, voxel):
 
 
 def drawn(augmentation, batch_size=16, voxels=10, seed=0):
-    packed = PackedScenes.of(SAMPLES)
+    packed = PackedScenes.of(
+        [sample.surface for sample in SAMPLES], np.stack([sample.ward for sample in SAMPLES])
+    )
     return packed, SceneDrawer(packed, augmentation).draw(batch_size, voxels, seeded(seed))
 
 

@@ -14,9 +14,9 @@ from reflest_core.inference.material import explain
 from reflest_core.models.lightnet.scene_statistics import scene_statistics
 from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.light.ablation import PARTS, check_parts
-from reflest_core.training.light.light_batches import whole_looks
+from reflest_core.training.light.batches import whole_scans
 from test.core.surfaces import sphere_surface
-from test.core.training.light.looks import made_looks
+from test.core.training.light.scans import made_scans
 
 FITS = ["voxel_fit", "scene_fit", "channel_statistics", "statistics"]
 FITS += ["found_albedo", "found_gloss"]
@@ -24,17 +24,17 @@ SHARES = ["lobe_seen", "lobe_clipped", "diffuse_seen", "diffuse_clipped"]
 
 
 @pytest.fixture(scope="module")
-def looks():
-    return made_looks(3, 0)
+def scans():
+    return made_scans(3, 0)
 
 
-def without(looks, *parts):
-    return whole_looks(looks, np.arange(3)), whole_looks(looks, np.arange(3), parts)
+def without(scans, *parts):
+    return whole_scans(scans, np.arange(3)), whole_scans(scans, np.arange(3), parts)
 
 
 @pytest.mark.parametrize(("part", "hidden"), [("fit", FITS), ("shares", SHARES)])
-def test_one_part_is_hidden_and_no_other(looks, part, hidden):
-    whole, rest = without(looks, part)
+def test_one_part_is_hidden_and_no_other(scans, part, hidden):
+    whole, rest = without(scans, part)
     for name in whole:
         if name in hidden:
             assert not rest[name].any()
@@ -45,8 +45,8 @@ def test_one_part_is_hidden_and_no_other(looks, part, hidden):
             torch.testing.assert_close(rest[name], whole[name])
 
 
-def test_without_light_colours_are_left_beside_the_mean_background(looks):
-    whole, rest = without(looks, "light")
+def test_without_light_colours_are_left_beside_the_mean_background(scans):
+    whole, rest = without(scans, "light")
     polar = (torch.arange(8) + 0.5) * math.pi / 8
     weight = whole["zones"][..., 3] * polar.sin()
     background = (whole["zones"][..., :3] * weight[..., None]).sum(1)
@@ -59,8 +59,8 @@ def test_without_light_colours_are_left_beside_the_mean_background(looks):
         assert not rest[name].any()
 
 
-def test_uncertainty_is_no_input(looks):
-    whole, rest = without(looks, "uncertainty")
+def test_uncertainty_is_no_input(scans):
+    whole, rest = without(scans, "uncertainty")
     for name in whole:
         torch.testing.assert_close(rest[name], whole[name])
 
@@ -71,7 +71,7 @@ def test_a_part_that_there_is_not_is_refused_by_name():
         check_parts(("fit", "sense"))
 
 
-def test_without_completion_just_what_comes_with_it_is_hidden(looks):
+def test_without_completion_just_what_comes_with_it_is_hidden(scans):
     """Those numbers that differ when only the fits of light and of the material in it do."""
     surface = sphere_surface(voxels=300, views=40)
     found = explain(surface, assumed_light(surface))
@@ -88,7 +88,7 @@ def test_without_completion_just_what_comes_with_it_is_hidden(looks):
     ]
     before = scene_statistics(found)
     changed = [scene_statistics(other) for other in others]
-    whole, rest = without(looks, "completion")
+    whole, rest = without(scans, "completion")
     for name, differs in (
         (
             "channel_statistics",

@@ -5,16 +5,16 @@
 import numpy as np
 import pytest
 
-from reflest_core.models.calibration import Calibration
+from reflest_core.models.card import Calibration
 from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.light.calibration import fitted_calibration
-from reflest_core.training.light.measured_looks import HALF_WIDTH, HELD_OUT, MeasuredLooks
+from reflest_core.training.light.measured_scans import HALF_WIDTH, HELD_OUT, MeasuredScans
 
 
 def erring(errors, deviations=None, environments=None):
-    """Looks that err so, all of them under one light or under ``environments``."""
+    """Scans that err so, all of them under one light or under ``environments``."""
     count = len(errors)
-    return MeasuredLooks(
+    return MeasuredScans(
         errors,
         np.ones((count, 5)) if deviations is None else deviations,
         np.full(count, 100),
@@ -27,7 +27,7 @@ def rms(errors):
 
 
 def test_every_light_counts_alike():
-    """Of 1,100 looks 1,000 are under a light in which errors are as stated, 100 ten times as large.
+    """Of 1,100 scans 1,000 are under a light in which errors are as stated, 100 ten times as large.
 
     So the interval is to hold four in five of the large errors, and all of the small ones.
     """
@@ -93,10 +93,10 @@ def test_what_was_held_out_comes_back_joined(tmp_path):
         rng = np.random.default_rng(k)
         one = erring(rng.normal(size=(3, 5)), rng.uniform(0.1, 1, (3, 5)), np.full(3, name))
         one.save(folder)
-        some.append(MeasuredLooks.read(folder))
+        some.append(MeasuredScans.read(folder))
         np.testing.assert_array_equal(some[-1].errors, one.errors)
         np.testing.assert_array_equal(some[-1].deviations, one.deviations)
-    joined = MeasuredLooks.joined(some)
+    joined = MeasuredScans.joined(some)
     np.testing.assert_array_equal(joined.errors[3:], some[1].errors)
     assert joined.lights == ["dim", "noon"]
     assert joined.environments.tolist() == ["dim"] * 3 + ["noon"] * 3
@@ -110,4 +110,4 @@ def test_what_was_held_out_comes_back_joined(tmp_path):
 def test_a_damaged_file_is_named(tmp_path):
     (tmp_path / HELD_OUT).write_bytes(b"PK no archive")
     with pytest.raises(TrainingError, match=f"{HELD_OUT} is damaged"):
-        MeasuredLooks.read(tmp_path)
+        MeasuredScans.read(tmp_path)

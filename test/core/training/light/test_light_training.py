@@ -10,52 +10,56 @@ import numpy as np
 import pytest
 import torch
 
-from reflest_core.models.lightnet.network import VOXELS, LightNet
-from reflest_core.models.lightnet.surface_shading import surface_shading
+from reflest_core.models.lightnet import VOXELS
+from reflest_core.models.lightnet.features import light_features
+from reflest_core.models.lightnet.network import LightNet
+from reflest_core.models.registry import network_named
 from reflest_core.models.weights import load_weights
-from reflest_core.training.light.light_batches import varied_looks, whole_looks
-from reflest_core.training.light.light_course import LightCourse
-from reflest_core.training.light.light_data import LightData
-from reflest_core.training.light.likelihood import SQUARED_SHARE, likelihood_loss
-from reflest_core.training.light.shading_axes import AXES
+from reflest_core.training.light.batches import varied_scans, whole_scans
+from reflest_core.training.light.data import LightData
+from reflest_core.training.light.scan_file import AXES
+from reflest_core.training.light.task import SQUARED_SHARE, LightTask, likelihood_loss
 from reflest_core.training.processes import Processes
-from reflest_core.training.recipe import RECIPES
-from reflest_core.training.run_folder import RunFolder
+from reflest_core.training.task import RunFolder
 from reflest_core.training.trainer import Trainer
 from test.core.surfaces import sphere_surface
-from test.core.training.light.looks import SLOTS, TRUE, K, made_looks
+from test.core.training.light.scans import SLOTS, TRUE, K, made_scans
 
 
 def test_every_input_of_the_network_has_its_axes():
     assert list(AXES) == list(inspect.signature(LightNet.forward).parameters)[1:]
     surface = sphere_surface(VOXELS, 30)
-    look = surface_shading(surface, np.arange(VOXELS))
+    features = light_features(surface, np.arange(VOXELS))
     for name, axes in AXES.items():
-        shape = getattr(look, name).shape
+        shape = getattr(features, name).shape
         assert len(shape) == len(axes)
         known = {"V": VOXELS, "O": SLOTS, "C": 3, "K": K, "D": 3}
         assert all(known.get(axis, size) == size for axis, size in zip(axes, shape, strict=True))
 
 
-def test_varied_looks_still_obey_the_physics_of_their_truth():
-    looks = made_looks(6, 0)
+def test_varied_scans_still_obey_the_physics_of_their_truth():
+    scans = made_scans(6, 0)
     rows = np.array([0, 3, 5, 5])
-    look, truth = varied_looks(looks, rows, 20, 8, torch.Generator().manual_seed(2))
-    assert look["is_seen"].shape == (4, 20, 8)
-    expected = truth[:, None, None, :3] + truth[:, None, None, 3:4] * look["lobe"][:, :, :, TRUE]
-    seen = look["is_seen"]
-    torch.testing.assert_close(look["apparent"][seen], expected[seen], atol=0.02, rtol=5e-3)
-    assert not torch.equal(truth[:, :3], torch.from_numpy(looks.ward[rows, :3]))
-    torch.testing.assert_close(look["normals"].norm(dim=-1), torch.ones(4, 20), atol=2e-3, rtol=0)
+    features, truth = varied_scans(scans, rows, 20, 8, torch.Generator().manual_seed(2))
+    assert features["is_seen"].shape == (4, 20, 8)
+    expected = (
+        truth[:, None, None, :3] + truth[:, None, None, 3:4] * features["lobe"][:, :, :, TRUE]
+    )
+    seen = features["is_seen"]
+    torch.testing.assert_close(features["apparent"][seen], expected[seen], atol=0.02, rtol=5e-3)
+    assert not torch.equal(truth[:, :3], torch.from_numpy(scans.ward[rows, :3]))
+    torch.testing.assert_close(
+        features["normals"].norm(dim=-1), torch.ones(4, 20), atol=2e-3, rtol=0
+    )
 
 
 def test_turning_keeps_the_vertical():
     """Light comes from above: heights of normals are kept, one by one."""
-    looks = made_looks(2, 1)
-    look, _ = varied_looks(looks, np.arange(2), VOXELS, SLOTS, torch.Generator().manual_seed(0))
-    heights = np.sort(look["normals"][..., 2].numpy(), axis=1)
+    scans = made_scans(2, 1)
+    features, _ = varied_scans(scans, np.arange(2), VOXELS, SLOTS, torch.Generator().manual_seed(0))
+    heights = np.sort(features["normals"][..., 2].numpy(), axis=1)
     np.testing.assert_allclose(
-        heights, np.sort(looks.arrays["normals"][..., 2].astype(np.float32), axis=1), atol=1e-3
+        heights, np.sort(scans.arrays["normals"][..., 2].astype(np.float32), axis=1), atol=1e-3
     )
 
 
@@ -69,17 +73,18 @@ def test_the_loss_is_a_weighted_gaussian_likelihood():
     assert log_variance.grad.item() == pytest.approx(0.0, abs=1e-6)  # 4 is the variance seen
 
 
-RECIPE = dataclasses.replace(RECIPES["lightnet"], minibatches=6, batch_size=4, warm_up=1)
+OURS = network_named("lightnet").recipes["ours"]
+RECIPE = dataclasses.replace(OURS, minibatches=6, batch_size=4, warm_up=1)
 ALONE = Processes(0, 1, torch.device("cpu"))
 
 
 def trainer(folder, data, recipe=RECIPE, calibration=None, every=3):
-    course = LightCourse(recipe, data, ALONE.device, calibration)
+    course = LightTask(recipe, data, ALONE.device, calibration)
     return Trainer(course, RunFolder(folder, "lightnet", every), ALONE)
 
 
 def test_a_killed_training_goes_on_to_the_same_weights(tmp_path):
-    data = LightData(made_looks(12, 0), made_looks(5, 1))
+    data = LightData(made_scans(12, 0), made_scans(5, 1))
     whole = trainer(tmp_path / "whole", data).run()
     killed = trainer(tmp_path / "killed", data)
     take_step = killed._step
@@ -97,9 +102,9 @@ def test_a_killed_training_goes_on_to_the_same_weights(tmp_path):
         np.testing.assert_array_equal(load_weights(again)[0][name], tensor)
 
 
-def test_it_learns_what_the_looks_tell(tmp_path):
-    """From exact looks, the truth: far better than the mean after a few hundred minibatches."""
-    data = LightData(made_looks(200, 0, noise=0.0), made_looks(50, 1, noise=0.0))
+def test_it_learns_what_the_scans_tell(tmp_path):
+    """From exact scans, the truth: far better than the mean after a few hundred minibatches."""
+    data = LightData(made_scans(200, 0, noise=0.0), made_scans(50, 1, noise=0.0))
     small = {"minibatches": 150, "batch_size": 16, "voxels": 8, "warm_up": 10, "average": 0.9}
     recipe = dataclasses.replace(RECIPE, **small)
     path = trainer(tmp_path, data, recipe, every=150).run()
@@ -109,8 +114,8 @@ def test_it_learns_what_the_looks_tell(tmp_path):
 
 
 def test_padding_is_never_looked_at():
-    looks = made_looks(2, 4)
-    clean = {n: t.clone() for n, t in whole_looks(looks, np.arange(2)).items()}
+    scans = made_scans(2, 4)
+    clean = {n: t.clone() for n, t in whole_scans(scans, np.arange(2)).items()}
     dirty = {n: t.clone() for n, t in clean.items()}
     unseen = ~clean["is_seen"].any(dim=2)
     dirty["voxel_fit"][unseen] = 7.0

@@ -10,7 +10,7 @@ import pytest
 from reflest_core.cli.main import main
 from reflest_core.models.weights import load_weights
 from reflest_core.training.light.calibration import fitted_calibration
-from reflest_core.training.light.measured_looks import MeasuredLooks
+from reflest_core.training.light.measured_scans import MeasuredScans
 from test.core.training.scenes import write_synbrdf
 
 QUICK = [
@@ -22,7 +22,7 @@ QUICK = [
     "1",
     "--jobs",
     "1",
-    "--looks",
+    "--scans",
     "2",
     "--minibatches",
     "2",
@@ -40,18 +40,18 @@ def data(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def shadings(tmp_path_factory):
+def scan_folder(tmp_path_factory):
     """Shared by all runs."""
-    return tmp_path_factory.mktemp("shadings")
+    return tmp_path_factory.mktemp("scans")
 
 
 @pytest.fixture(scope="module")
-def run(data, shadings, tmp_path_factory):
+def run(data, scan_folder, tmp_path_factory):
     """Train with some options; return the folder."""
 
     def train(*options):
         out = tmp_path_factory.mktemp("run")
-        where = ["--out", str(out), "--shadings", str(shadings)]
+        where = ["--out", str(out), "--scan-folder", str(scan_folder)]
         assert main(["train", str(data), *QUICK, *where, *options]) == 0
         return out
 
@@ -70,20 +70,20 @@ def figures(folder):
 def test_held_out_light_is_neither_trained_on_nor_validated_by_but_measured(held_out):
     found = figures(held_out)
     assert found["recipe"]["data"]["train_looks"] == 6 * 2
-    for split, looks in (("validation", 3), ("held_out", 6)):
+    for split, scans in (("validation", 3), ("held_out", 6)):
         assert list(found["splits"][split]) == ["100", "30", "10"]
         for measured in found["splits"][split].values():
-            assert measured["looks"] == looks
+            assert measured["looks"] == scans
             assert len(measured["rmse_per_parameter"]) == 5
             per_parameter = np.square(measured["rmse_per_parameter"]).mean()
             assert measured["rmse"] == pytest.approx(np.sqrt(per_parameter))
 
 
-def test_held_out_light_is_in_no_mixture_relit_scene_or_window_either(data, shadings, tmp_path):
+def test_held_out_light_is_in_no_mixture_relit_scene_or_window_either(data, scan_folder, tmp_path):
     lights = ("diverse+sunny+dim", "relit+dim", "room+dim", "dim+sunny", "relit+sunny")
     other = write_synbrdf(tmp_path / "mixed", lights=lights, train=10)
     out = tmp_path / "run"
-    where = ["--out", str(out), "--shadings", str(shadings), "--hold-out", "dim"]
+    where = ["--out", str(out), "--scan-folder", str(scan_folder), "--hold-out", "dim"]
     assert main(["train", str(data), str(other), *QUICK, *where]) == 0
     assert figures(out)["recipe"]["data"]["train_looks"] == (6 + 2) * 2
 
@@ -116,17 +116,17 @@ def test_a_training_on_everything_is_calibrated_on_what_others_held_out(run, hel
         **figures(other)["splits"]["held_out"]["100"]["rmse_by_light"],
     }
     _, card, _ = load_weights(everything / "lightnet.safetensors")
-    joined = MeasuredLooks.joined([MeasuredLooks.read(held_out), MeasuredLooks.read(other)])
+    joined = MeasuredScans.joined([MeasuredScans.read(held_out), MeasuredScans.read(other)])
     both = fitted_calibration(joined)
     for name in ("factors", "powers", "correlation"):
         np.testing.assert_array_equal(getattr(card.calibration, name), getattr(both, name))
     assert card.recipe["calibrated_under"] == ["dim", "sunny"]
 
 
-def test_scenes_of_a_second_folder_are_trained_on_alone(data, shadings, run, tmp_path):
+def test_scenes_of_a_second_folder_are_trained_on_alone(data, scan_folder, run, tmp_path):
     other = write_synbrdf(tmp_path / "more", train=4)
     out = tmp_path / "run"
-    where = ["--out", str(out), "--shadings", str(shadings)]
+    where = ["--out", str(out), "--scan-folder", str(scan_folder)]
     assert main(["train", str(data), str(other), *QUICK, *where]) == 0
     assert figures(out)["recipe"]["data"]["train_looks"] == (12 + 4) * 2
     assert figures(out)["splits"]["validation"]["100"]["looks"] == 6
@@ -146,12 +146,12 @@ def test_what_it_does_without_is_in_the_card_and_in_the_measure(run):
         (["--hold-out", "noon"], "has no environment 'noon' to hold out; choose of sunny, dim"),
         (["--without", "sense"], "has no part 'sense' to do without; choose of light, fit"),
         (["--hold-out", "dim", "--calibration", "x"], "--calibration goes without --hold-out"),
-        (["--loss", "rmse1"], "its loss is a likelihood"),
-        (["--views", "5", "10"], "lightnet has no --views"),
+        (["--loss", "rmse1"], "--loss goes with --model hemicnn or grouplet"),
+        (["--views", "5", "10"], "--views goes with --model hemicnn or grouplet"),
     ],
 )
-def test_what_cannot_be_is_refused(data, shadings, tmp_path, capsys, options, message):
-    where = ["--out", str(tmp_path), "--shadings", str(shadings)]
+def test_what_cannot_be_is_refused(data, scan_folder, tmp_path, capsys, options, message):
+    where = ["--out", str(tmp_path), "--scan-folder", str(scan_folder)]
     assert main(["train", str(data), *QUICK, *where, *options]) == 2
     assert message in capsys.readouterr().err
 

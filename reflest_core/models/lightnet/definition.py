@@ -1,0 +1,89 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""lightnet as the registry knows it, and how it is trained."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.models.definition import (
+    LIGHT_TRAINING,
+    SHIPPED,
+    Features,
+    Model,
+    NetworkDefinition,
+)
+from reflest_core.models.lightnet import VOXELS
+from reflest_core.models.recipe import Recipe
+
+if TYPE_CHECKING:
+    import torch
+
+    from reflest_core.inference.material import Explanation
+    from reflest_core.models.lightnet.live import LiveLightNet
+    from reflest_core.models.weights import Tensors
+    from reflest_core.surface.observed_surface import ObservedSurface
+
+
+class LightNetDefinition(NetworkDefinition):
+    """The network that uses the light seen behind the object, and states its deviations."""
+
+    name = "lightnet"
+    models = (Model("lightnet", VOXELS, SHIPPED / "lightnet.safetensors"),)
+    sees_light = True
+    training = LIGHT_TRAINING
+    recipes: ClassVar[Mapping[str, Recipe]] = {
+        "ours": Recipe(
+            network="lightnet",
+            loss="likelihood",
+            optimiser="adamw",
+            learning_rate=2e-3,
+            momentum=0.0,
+            minibatches=6000,
+            batch_size=48,
+            voxels=24,
+            validation_voxels=VOXELS,
+            warm_up=500,
+            hold=0.0,
+            average=0.998,
+            observations=6,
+            largest_gradient=1.0,
+        ),
+    }
+
+    def module(self) -> torch.nn.Module:
+        """Make the untrained module; it takes the arrays of ``LightFeatures`` in their order."""
+        from reflest_core.models.lightnet.network import LightNet
+
+        return LightNet()
+
+    def features(
+        self,
+        surface: ObservedSurface,
+        voxels: NDArray[np.int64],
+        found: Explanation | None = None,
+    ) -> Features:
+        """Compute the arrays of ``LightFeatures``, under the light that the surface was seen in."""
+        from reflest_core.models.lightnet.features import light_features
+
+        made = light_features(surface, voxels, found)
+        return tuple(
+            np.ascontiguousarray(getattr(made, field.name)) for field in dataclasses.fields(made)
+        )
+
+    def shapes(self) -> dict[str, tuple[int, ...]]:
+        """Shape of every tensor by name, without PyTorch."""
+        from reflest_core.models.lightnet.shapes import SHAPES
+
+        return SHAPES
+
+    def live(self, tensors: Tensors, threads: int) -> LiveLightNet:
+        """Make the NumPy form, which runs on one thread."""
+        from reflest_core.models.lightnet.live import LiveLightNet
+
+        return LiveLightNet(tensors)

@@ -1,0 +1,99 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Matrix products in NumPy: dense layers, and how many threads they take."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import ThreadpoolController
+
+from reflest_core.models.weights import Tensors
+
+Array = NDArray[np.float32]
+
+_lock = threading.Lock()
+_limit = ExitStack()
+_holders = 0
+
+
+class DenseLayer(NamedTuple):
+    """A fully connected layer.
+
+    Attributes:
+        weight: (inputs, outputs) float32.
+        bias: (outputs,) float32.
+    """
+
+    weight: Array
+    bias: Array
+
+    @staticmethod
+    def of(tensors: Tensors, name: str) -> DenseLayer:
+        """Take the layer ``<name>.weight`` (outputs, inputs) and ``<name>.bias`` as stored."""
+        return DenseLayer(
+            np.ascontiguousarray(tensors[f"{name}.weight"].T), tensors[f"{name}.bias"]
+        )
+
+    def linear(self, values: Array, space: Array | None = None) -> Array:
+        """Apply the layer.
+
+        Args:
+            values: (..., inputs).
+            space: Array whose first rows take the result, where memory is to be reused.
+
+        Returns:
+            (..., outputs).
+        """
+        out = None if space is None else space[: len(values)]
+        products: Array = np.matmul(values, self.weight, out=out)
+        products += self.bias
+        return products
+
+    def tanh(self, values: Array, space: Array | None = None) -> Array:
+        """Apply the layer, then tanh; arguments as for :meth:`linear`."""
+        products = self.linear(values, space)
+        return np.tanh(products, out=products)
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Run NumPy's products in the thread that asks for them, in one order of summing.
+
+    The limit holds for the whole process, since BLAS libraries have no other, until the last of
+    those who are within it at once has left.
+    """
+    global _holders
+    with _lock:
+        if _holders == 0:
+            _limit.enter_context(_libraries().limit(limits=1, user_api="blas"))
+        _holders += 1
+    try:
+        yield
+    finally:
+        with _lock:
+            _holders -= 1
+            if _holders == 0:
+                _limit.close()
+
+
+def run_in_threads(work: Callable[[int], None], threads: int) -> None:
+    """Call ``work(0)`` to ``work(threads - 1)``, each in a thread of its own if there are more."""
+    if threads == 1:
+        work(0)
+        return
+    with ThreadPoolExecutor(threads) as pool:
+        for done in [pool.submit(work, worker) for worker in range(threads)]:
+            done.result()
+
+
+@cache
+def _libraries() -> ThreadpoolController:
+    return ThreadpoolController()
