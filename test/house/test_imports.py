@@ -11,7 +11,15 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 CORE = ROOT / "reflest_core"
-LEAVES = ("errors", "parameter", "parameter_file", "jit", "whole_file", "provenance")
+LEAVES = (
+    "errors",
+    "parameter",
+    "parameter_file",
+    "jit",
+    "whole_file",
+    "provenance",
+    "source_fingerprint",
+)
 STAGES = (
     "brdf",
     "light",

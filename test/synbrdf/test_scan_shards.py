@@ -89,7 +89,7 @@ def test_only_scans_under_the_chosen_light_are_made_and_loaded(data, tmp_path):
     paths = make_scans(data, TRAIN, tmp_path, jobs=1)
     rest = load_scans(paths, lambda card: card.environment != chosen)
     assert rest.scene.tolist() == [0, 0, 0]
-    with pytest.raises(TrainingError, match="no scene to features at"):
+    with pytest.raises(TrainingError, match="no scene to scan"):
         load_scans(paths, lambda card: False)
 
 

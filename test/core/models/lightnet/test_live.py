@@ -10,9 +10,10 @@ import torch
 
 from reflest_core.inference.material import explain
 from reflest_core.light.light_map import LightMap
-from reflest_core.models.lightnet import VOXELS, LightNet
+from reflest_core.models.lightnet import VOXELS
 from reflest_core.models.lightnet.features import LightFeatures, features_of
 from reflest_core.models.lightnet.live import LiveLightNet
+from reflest_core.models.lightnet.network import LightNet
 from reflest_core.surface.voxel_choice import choose_voxels
 from reflest_core.training.light.scan_file import AXES
 from test.core.surfaces import sphere_surface

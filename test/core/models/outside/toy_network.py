@@ -33,7 +33,7 @@ class ToyDefinition(NetworkDefinition):
 
         return Toy()
 
-    def features(self, surface, voxels):
+    def features(self, surface, voxels, found=None):
         colours = np.zeros((len(voxels), 3), np.float32)
         for row, voxel in enumerate(voxels):
             seen = surface.colours[surface.offsets[voxel] : surface.offsets[voxel + 1]]
