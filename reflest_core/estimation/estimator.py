@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -12,18 +13,20 @@ from numpy.typing import NDArray
 
 from reflest_core.brdf.deviations import labcd_stddev
 from reflest_core.brdf.gloss import ward_to_labcd
-from reflest_core.brdf.parameters import SMALLEST_ALPHA
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.doubts import Evidence, doubts
 from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
 from reflest_core.estimation.material_map import MOST_MATERIALS, MaterialEstimate, MaterialMap
+from reflest_core.estimation.physical_ward import physical_ward
+from reflest_core.estimation.scene_estimates import SceneEstimate, SceneEstimates
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.inference.gloss.network_update import with_posterior
 from reflest_core.inference.gloss.posterior import GlossPosterior, gloss_posterior
-from reflest_core.inference.gloss.rated_surface import RatedSurface
 from reflest_core.inference.light import SceneLight, infer_light, seen_light
 from reflest_core.inference.material import explain_material
 from reflest_core.models.predictor import Prediction, Predictor
+from reflest_core.models.threads import one_blas_thread
+from reflest_core.segmentation.segmenter import Segmenter, in_key_order
 from reflest_core.surface.coverage import hemisphere_coverage
 from reflest_core.surface.extent import voxel_extent
 from reflest_core.surface.observed_surface import ObservedSurface
@@ -60,13 +63,15 @@ class Estimator:
         """
         self._check_voxels(surface)
         surface = upright(surface, self.settings.up)
+        header = stamp_ns, frame_id, light_problem
         if not self.predictor.sees_light:
-            prediction = self.predictor.predict(surface)
-            return self._published(surface, prediction, None, stamp_ns, frame_id, light_problem)
-        light = infer_light(surface, seen_light(surface))
-        prediction = self.predictor.predict(surface, explain_material(light, WHOLE))
-        gloss = self._gloss(surface, light, [np.arange(surface.voxel_count)])
-        return self._published(surface, prediction, gloss, stamp_ns, frame_id, light_problem)
+            return self._published(surface, self.predictor.predict(surface), None, header)
+        with one_blas_thread():
+            light = infer_light(surface, seen_light(surface))
+            prediction = self.predictor.predict(surface, explain_material(light, WHOLE))
+        whole, least_gain = [np.arange(surface.voxel_count)], self.settings.gloss_information
+        gloss = gloss_posterior(surface, light.filled, whole, least_gain=least_gain)
+        return self._published(surface, prediction, gloss, header)
 
     def materials(
         self,
@@ -91,24 +96,81 @@ class Estimator:
         """
         self._check_voxels(surface)
         turned = upright(surface, self.settings.up)
-        light, rated = None, None
-        if self.predictor.sees_light:
-            light = infer_light(turned, seen_light(turned), partition)
-            rated = RatedSurface.of(turned, light.filled)
+        header = stamp_ns, frame_id, light_problem
+        with one_blas_thread():
+            light = None
+            if self.predictor.sees_light:
+                light = infer_light(turned, seen_light(turned), partition)
+            return self._map((surface, turned), partition, light, header)
+
+    def segmented_materials(
+        self,
+        surface: ObservedSurface,
+        segmenter: Segmenter,
+        stamp_ns: int,
+        frame_id: str,
+        light_problem: str = "",
+    ) -> MaterialMap:
+        """Divide a scan into materials and estimate the BRDF of each, all in one light.
+
+        Args:
+            surface: the scan, world frame.
+            segmenter: of this scan; it keeps ids from keyframe to keyframe.
+            stamp_ns: stamp of the keyframe's image.
+            frame_id: camera frame of that image.
+            light_problem: a warning about the scene's light, or "".
+
+        Returns:
+            The map; its surface has the observed voxels by rising key.
+
+        Raises:
+            NoEstimate: Too few voxels were observed.
+        """
+        self._check_voxels(surface)
+        surface = in_key_order(surface)
+        turned = upright(surface, self.settings.up)
+        observed = seen_light(turned)
+        header = stamp_ns, frame_id, light_problem
+        with one_blas_thread():
+            scene = segmenter.segment(turned, observed)
+            light = None
+            if self.predictor.sees_light:
+                light = infer_light(turned, observed, scene.partition, joint=scene.joint)
+            return self._map((surface, turned), scene.partition, light, header)
+
+    def _map(
+        self,
+        surfaces: tuple[ObservedSurface, ObservedSurface],
+        partition: Partition,
+        light: SceneLight | None,
+        header: tuple[int, str, str],
+    ) -> MaterialMap:
+        """Estimate all materials of a surface, given as scanned and turned upright."""
+        surface, turned = surfaces
         ids = partition.ids_of(turned.voxel_keys)
+        rho_d = np.full((surface.voxel_count, 3), np.nan, np.float32)
+        stddev = rho_d.copy()
+        scene = None
+        if light is not None:
+            scene = SceneEstimates(turned, light, self.settings.gloss_information)
         materials = []
         for material_id, part in partition.parts(turned):
             if int((part.observation_counts > 0).sum()) < self.settings.min_voxels:
                 continue
-            found, gloss = None, None
-            if light is not None:
-                found = explain_material(light, material_id)
-                gloss = self._gloss(turned, light, [np.flatnonzero(ids == material_id)], rated)
-            prediction = self.predictor.predict(part, found)
-            estimate = self._published(part, prediction, gloss, stamp_ns, frame_id, light_problem)
-            materials.append(self._material(material_id, surface, partition, estimate))
+            voxels, error = np.flatnonzero(ids == material_id), math.nan
+            if light is None or scene is None:
+                prediction = self.predictor.predict(part)
+                estimate = self._published(part, prediction, None, header)
+                rho_d[voxels], stddev[voxels] = estimate.rho_d, estimate.rho_d_stddev
+            else:
+                prediction = self.predictor.predict(part, explain_material(light, material_id))
+                found = scene.of_material(material_id, voxels, prediction)
+                estimate = self._published(part, prediction, found, header)
+                rho_d[voxels], stddev[voxels] = found.rho_d, found.rho_d_stddev
+                error = found.photometric_error
+            materials.append(_material(material_id, surface.positions[voxels], estimate, error))
         materials.sort(key=lambda material: (-material.area, material.id))
-        rho_d, stddev = _albedo_of_voxels(surface, partition, materials)
+        stamp_ns, frame_id, _ = header
         return MaterialMap(
             stamp_ns,
             frame_id,
@@ -120,16 +182,6 @@ class Estimator:
             light,
         )
 
-    def _gloss(
-        self,
-        surface: ObservedSurface,
-        light: SceneLight,
-        segments: list[NDArray[np.int64]],
-        rated: RatedSurface | None = None,
-    ) -> GlossPosterior:
-        least_gain = self.settings.gloss_information
-        return gloss_posterior(surface, light.filled, segments, rated, least_gain=least_gain)
-
     def _check_voxels(self, surface: ObservedSurface) -> None:
         observed = int((surface.observation_counts > 0).sum())
         if observed < self.settings.min_voxels:
@@ -139,32 +191,18 @@ class Estimator:
                 "interest and fusion.max_depth"
             )
 
-    @staticmethod
-    def _material(
-        material_id: int, surface: ObservedSurface, partition: Partition, estimate: BrdfEstimate
-    ) -> MaterialEstimate:
-        is_part = partition.ids_of(surface.voxel_keys) == material_id
-        extent = voxel_extent(surface.positions[is_part])
-        return MaterialEstimate(
-            material_id,
-            estimate,
-            extent.centroid,
-            extent.size,
-            extent.area,
-            int(is_part.sum()),
-        )
-
     def _published(
         self,
         surface: ObservedSurface,
         prediction: Prediction,
-        gloss: GlossPosterior | None,
-        stamp_ns: int,
-        frame_id: str,
-        light_problem: str,
+        gloss: GlossPosterior | SceneEstimate | None,
+        header: tuple[int, str, str],
     ) -> BrdfEstimate:
+        stamp_ns, frame_id, light_problem = header
         ward, stddev = physical_ward(prediction.ward), prediction.stddev
-        if gloss is not None and stddev is not None:
+        if isinstance(gloss, SceneEstimate):
+            ward, stddev, gloss = gloss.ward, gloss.stddev, gloss.gloss
+        elif gloss is not None and stddev is not None:
             ward, stddev = with_posterior(ward, stddev, gloss)
         red, green, blue, rho_s, alpha = ward.tolist()
         lightness, a, b, c, d = ward_to_labcd(ward).tolist()
@@ -218,27 +256,16 @@ class Estimator:
         }
 
 
-def physical_ward(ward: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The nearest physical values of (5,) ``rho_d``, ``rho_s``, ``alpha`` that a network gave.
-
-    Each value is clipped to its range; both albedos are divided by ``max(rho_d) + rho_s`` where
-    that passes 1.
-    """
-    rho_d = np.clip(ward[:3], 0.0, 1.0)
-    rho_s = max(float(ward[3]), 0.0)
-    alpha = max(float(ward[4]), SMALLEST_ALPHA)
-    energy = max(float(rho_d.max()) + rho_s, 1.0)
-    return np.array([*(rho_d / energy), rho_s / energy, alpha])
-
-
-def _albedo_of_voxels(
-    surface: ObservedSurface, partition: Partition, materials: list[MaterialEstimate]
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """(V, 3) ``rho_d`` and its deviation: each voxel has its material's."""
-    ids = partition.ids_of(surface.voxel_keys)
-    rho_d = np.full((surface.voxel_count, 3), np.nan, np.float32)
-    stddev = rho_d.copy()
-    for material in materials:
-        rho_d[ids == material.id] = material.estimate.rho_d
-        stddev[ids == material.id] = material.estimate.rho_d_stddev
-    return rho_d, stddev
+def _material(
+    material_id: int, positions: NDArray[np.float32], estimate: BrdfEstimate, error: float
+) -> MaterialEstimate:
+    extent = voxel_extent(positions)
+    return MaterialEstimate(
+        material_id,
+        estimate,
+        extent.centroid,
+        extent.size,
+        extent.area,
+        len(positions),
+        error,
+    )

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from reflest_core.inference.gloss_fit import GlossFit, fit_gloss
 from reflest_core.inference.transport.irradiance import Incoming, incoming
+from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.inference.transport.visibility import Occluders, Sight
 from reflest_core.inference.transport.ward_lobe import lobe_radiance
 from reflest_core.light.completion import LightPyramid
@@ -67,7 +68,7 @@ def scene_occluders(surface: ObservedSurface, has_visibility: bool = True) -> Oc
 
 
 def material_evidence(
-    surface: ObservedSurface, filled: LightPyramid, occluders: Occluders
+    surface: ObservedSurface, filled: LightPyramid, occluders: Occluders | SceneOccluders
 ) -> MaterialEvidence:
     """Gather the evidence of one material.
 

@@ -17,21 +17,14 @@ from numpy.typing import NDArray
 from reflest_core.inference.gloss_fit import GlossFit, fit_gloss
 from reflest_core.inference.joint_system import ChannelState, ChannelSystem
 from reflest_core.inference.light_prior import BRIGHT, LightPrior
-from reflest_core.inference.transport.light_patches import LightParts
-from reflest_core.inference.transport.patch_grid import (
-    PATCHES,
-    patch_image,
-    patches_of_texels,
-    texels_of_patches,
-)
-from reflest_core.inference.transport.scene_occluders import (
-    SceneOccluders,
-    SceneSight,
-    patch_shares,
-)
-from reflest_core.inference.transport.scene_reflection import scene_lobes, scene_reflection
+from reflest_core.inference.transport.irradiance import incoming
+from reflest_core.inference.transport.light_patches import LightParts, diffuse_response
+from reflest_core.inference.transport.patch_grid import PATCHES, patch_image
+from reflest_core.inference.transport.scene_occluders import SceneOccluders
+from reflest_core.inference.transport.scene_reflection import scene_reflection
+from reflest_core.inference.transport.ward_lobe import lobe_radiance
 from reflest_core.light.completion import LightPyramid, complete, levels_below
-from reflest_core.light.cosine_weights import SIZE, cosine_weights
+from reflest_core.light.cosine_weights import cosine_weights
 from reflest_core.light.light_map import ObservedLight
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.surface_sample import sampled
@@ -93,6 +86,7 @@ class JointLight:
         rho_d: (S, 3), NaN for a segment without observations.
         rho_d_log_deviation: (S, 3) standard deviation of ``log rho_d``.
         rho_s: (S,).
+        rho_s_deviation: (S,) its standard deviation.
         roughness: (S,) index into :data:`.ROUGHNESSES`.
         misfit: (3,) root mean square of the observations' relative errors.
     """
@@ -104,15 +98,18 @@ class JointLight:
     rho_d: NDArray[np.float64]
     rho_d_log_deviation: NDArray[np.float64]
     rho_s: NDArray[np.float64]
+    rho_s_deviation: NDArray[np.float64]
     roughness: NDArray[np.int64]
     misfit: NDArray[np.float64]
 
-    def start(self, segments: NDArray[np.int64]) -> JointStart:
+    def start(self, segments: NDArray[np.int64] | None = None) -> JointStart:
         """Where to begin the next inference.
 
         Args:
-            segments: (S',) the row here of each segment then, -1 for new ones.
+            segments: (S',) the row here of each segment then, -1 for new ones; None for the same.
         """
+        if segments is None:
+            segments = np.arange(len(self.rho_s))
         is_new = segments < 0
         rho_d = np.where(is_new[:, None], np.nan, self.rho_d[segments])
         return JointStart(rho_d, np.where(is_new, np.nan, self.rho_s[segments]), self.factors)
@@ -163,7 +160,6 @@ class JointInference:
         labels: NDArray[np.int64],
         observed: ObservedLight,
         occluders: SceneOccluders,
-        prior: LightPrior = BRIGHT,
     ) -> None:
         """Choose voxels of every segment, and compute how they respond to the light.
 
@@ -172,16 +168,15 @@ class JointInference:
             labels: (V,) segment of each voxel, -1 for voxels to leave out.
             observed: the light as it was seen.
             occluders: surfels of the whole scene.
-            prior: what unseen and clipped light may hold.
         """
-        self.observed, self.filled, self.prior = observed, complete(observed), prior
+        self.observed, self.filled = observed, complete(observed)
         self.segments = int(labels.max(initial=-1)) + 1
         voxels, self._segment_of_voxel = _chosen_voxels(surface, labels, self.segments)
         self._sample = sampled(surface, voxels)
         weights = cosine_weights(self._sample.normals)
         self._sight = occluders.sight(surface.positions[voxels], self._sample.normals, weights)
         parts = LightParts.of(observed, self.filled)
-        self._diffuse = _diffuse_response(parts, weights, self._sight)
+        self._diffuse = diffuse_response(parts, incoming(weights, self._sight)).answers
 
     def gloss(
         self, light: LightPyramid | None = None
@@ -195,7 +190,7 @@ class JointInference:
             The fits, None where a segment has too few observations, and their means.
         """
         sample = self._sample
-        lobes = scene_lobes(
+        lobes = lobe_radiance(
             light or self.filled,
             sample.normals[sample.voxel_of],
             sample.directions,
@@ -220,13 +215,20 @@ class JointInference:
             roughness[segment] = fit.roughness
         return fits, SegmentGloss(rho_s, roughness)
 
-    def infer(self, gloss: SegmentGloss, start: JointStart | None, turns: int) -> JointLight:
+    def infer(
+        self,
+        gloss: SegmentGloss,
+        start: JointStart | None,
+        turns: int,
+        light_prior: LightPrior = BRIGHT,
+    ) -> JointLight:
         """Solve for the light, and ``rho_d`` and ``rho_s`` of each segment.
 
         Args:
             gloss: ``rho_s``, a prior, and the roughness, which is kept.
             start: where to begin.
             turns: Gauss-Newton steps.
+            light_prior: what unseen and clipped light may hold.
         """
         sample = self._sample.every(EVERY)
         segment_of = self._segment_of_voxel[sample.voxel_of]
@@ -240,7 +242,7 @@ class JointInference:
         )
         solutions = []
         for channel in range(3):
-            prior = self.prior.of_channel(channel)
+            prior = light_prior.of_channel(channel)
             system = ChannelSystem(
                 sample.colours[:, channel],
                 sample.clipped[:, channel],
@@ -267,8 +269,9 @@ class JointInference:
         rho_d, deviation = np.full((2, self.segments, 3), np.nan)
         rho_d[present] = np.stack([one.state.rho_d for one in solutions], axis=1)
         deviation[present] = np.stack([one.log_albedo_deviation for one in solutions], axis=1)
-        rho_s = gloss.rho_s.copy()
+        rho_s, rho_s_deviation = gloss.rho_s.copy(), np.full(self.segments, np.nan)
         rho_s[present] = np.mean([one.state.rho_s for one in solutions], axis=0)
+        rho_s_deviation[present] = np.mean([one.gloss_deviation for one in solutions], axis=0)
         return JointLight(
             self.filled,
             complete_by(self.observed, self.filled, factors),
@@ -277,6 +280,7 @@ class JointInference:
             rho_d,
             deviation,
             rho_s,
+            rho_s_deviation,
             gloss.roughness,
             np.array([one.misfit for one in solutions]),
         )
@@ -294,18 +298,3 @@ def _chosen_voxels(
         chosen.append(members[thinned(counts[members], each)] if len(members) else members)
     sizes = [len(members) for members in chosen]
     return np.concatenate([*chosen, np.zeros(0, np.int64)]), np.repeat(np.arange(segments), sizes)
-
-
-def _diffuse_response(
-    parts: LightParts, weights: NDArray[np.float32], sight: SceneSight
-) -> NDArray[np.float32]:
-    """(3, V, 1 + 2 P), see :class:`.PatchResponse`."""
-    texels = texels_of_patches(SIZE)
-    arriving = weights * np.take(sight.visible, patches_of_texels(SIZE), axis=1)
-    hidden = patch_shares(weights) * (1.0 - sight.visible)
-    known = arriving @ parts.seen + np.einsum("vp,vpc->vc", hidden, sight.own)
-    unknown = np.concatenate([parts.fill, parts.excess], axis=-1)[texels]
-    by_patch = (arriving[:, texels].transpose(1, 0, 2) @ unknown).transpose(2, 1, 0)
-    return np.concatenate([known.T[..., None], by_patch[:3], by_patch[3:]], axis=-1).astype(
-        np.float32
-    )

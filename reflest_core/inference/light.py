@@ -11,17 +11,19 @@ import numpy as np
 
 from reflest_core.brdf import srgb
 from reflest_core.inference.evidence import MaterialEvidence, material_evidence, scene_occluders
+from reflest_core.inference.joint_scene import JointScene, infer_jointly
 from reflest_core.inference.light_from_reflections import infer_light_by_gloss
 from reflest_core.inference.light_from_shading import InferredLight, infer_from_shading
 from reflest_core.inference.light_prior import BRIGHT, DIM
 from reflest_core.inference.transport.light_patches import LightParts, diffuse_response
 from reflest_core.inference.transport.patch_grid import patch_image
 from reflest_core.inference.transport.reflected_patches import reflection
+from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.inference.transport.visibility import Occluders
 from reflest_core.light.completion import LightPyramid, complete, levels_below
 from reflest_core.light.light_map import SIZE, ObservedLight
 from reflest_core.surface.observed_surface import ObservedSurface
-from reflest_core.surface.partition import Partition
+from reflest_core.surface.partition import UNASSIGNED, Partition
 from reflest_core.surface.surface_sample import sampled
 
 USED_OBSERVATIONS = 2
@@ -45,15 +47,18 @@ class SceneLight:
         completed: that light with unseen and clipped parts as the materials' colours need them.
         occluders: surfels of the scene that hide light from one another.
         evidence: what each material's observations show, by material id.
-        inferred: the light that each material's observations give, by material id.
+        inferred: the light that each material's observations give, by material id; of several
+            materials the light that all of them give, with each one's albedo.
+        joint: the segments that the light of several materials was inferred from; None for one.
     """
 
     observed: ObservedLight
     filled: LightPyramid
     completed: LightPyramid
-    occluders: Occluders
+    occluders: Occluders | SceneOccluders
     evidence: Mapping[int, MaterialEvidence]
     inferred: Mapping[int, Inferences]
+    joint: JointScene | None = None
 
 
 def infer_light(
@@ -61,6 +66,7 @@ def infer_light(
     observed: ObservedLight,
     partition: Partition | None = None,
     has_visibility: bool = True,
+    joint: JointScene | None = None,
 ) -> SceneLight:
     """Infer the light of a scene from the light that was seen and from all materials.
 
@@ -68,12 +74,14 @@ def infer_light(
         surface: the scan, of which at least one voxel was observed.
         observed: what the background showed of the light.
         partition: voxels to materials; None takes the whole surface for one material.
-        has_visibility: False takes the surface for convex, so that it hides nothing (an ablation).
-
-    Returns:
-        The light, completed by the material of the most voxels.
+        has_visibility: False takes the surface for convex, so that it hides nothing (an ablation of
+            one material).
+        joint: the light of the surface's segments, where it is known already; None takes each of
+            several materials for a segment.
     """
     partition = Partition.whole(surface) if partition is None else partition
+    if joint is not None or len(partition.ids) > 1:
+        return _infer_jointly(surface, observed, partition, joint)
     filled = complete(observed)
     parts = LightParts.of(observed, filled)
     occluders = scene_occluders(surface, has_visibility)
@@ -85,9 +93,30 @@ def infer_light(
     inferred = {
         material_id: _inferred(found, filled, parts) for material_id, found in evidence.items()
     }
-    largest = max(evidence, key=lambda material_id: evidence[material_id].surface.voxel_count)
-    completed = complete_by(observed, filled, inferred[largest][1])
+    (found,) = inferred.values()
+    completed = complete_by(observed, filled, found[1])
     return SceneLight(observed, filled, completed, occluders, evidence, inferred)
+
+
+def _infer_jointly(
+    surface: ObservedSurface,
+    observed: ObservedLight,
+    partition: Partition,
+    joint: JointScene | None,
+) -> SceneLight:
+    ids = partition.ids_of(surface.voxel_keys)
+    if joint is None:
+        known = np.searchsorted(np.array(partition.ids), ids)
+        joint = infer_jointly(surface, observed, np.where(ids == UNASSIGNED, -1, known))
+    filled = joint.light.filled
+    evidence, inferred = {}, {}
+    for material_id, part in partition.parts(surface):
+        if part.observation_counts.any():
+            evidence[material_id] = material_evidence(part, filled, joint.occluders)
+            bright, dim = joint.of_voxels(np.flatnonzero(ids == material_id))
+            inferred[material_id] = (bright, bright, dim)
+    light = joint.light.light
+    return SceneLight(observed, filled, light, joint.occluders, evidence, inferred, joint)
 
 
 def seen_light(surface: ObservedSurface) -> ObservedLight:

@@ -15,6 +15,7 @@ from reflest_core.inference.light import Inferences, SceneLight, infer_light
 from reflest_core.inference.material_fit import MaterialFit, fit_material
 from reflest_core.inference.transport.irradiance import DARKEST, Incoming, weighted_radiance
 from reflest_core.inference.transport.reflected_detail import reflected_detail
+from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.inference.transport.visibility import Occluders
 from reflest_core.inference.transport.ward_lobe import ROUGHNESSES, lobe_radiance
 from reflest_core.light.completion import LightPyramid
@@ -54,7 +55,7 @@ class Explanation:
     filled: LightPyramid
     light: LightPyramid
     incoming: Incoming
-    occluders: Occluders
+    occluders: Occluders | SceneOccluders
     normals: NDArray[np.float32]
     colours: NDArray[np.float32]
     sample: SurfaceSample

@@ -9,6 +9,8 @@ agree, and their colours are alike or alternate.
 
 from __future__ import annotations
 
+import itertools
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +28,9 @@ SAME_COLOUR = 10.0
 """Distance in Lab (with L halved) up to which two colours are one."""
 RECURRING = 4
 """Segments of two colours together, at least one of each, from which they are a texture."""
+INTERLEAVED = 16.0
+"""Pairs of voxels across a border, over the root of the smaller side's voxels, from which two
+colours are a texture: two halves of a ball have 8, a band around it has 15."""
 
 
 @dataclass(frozen=True)
@@ -65,11 +70,15 @@ class Borders:
 
 
 def gloss_groups(
-    borders: Borders, log_likelihood: NDArray[np.float64], lab: NDArray[np.float64]
+    borders: Borders,
+    sizes: NDArray[np.int64],
+    log_likelihood: NDArray[np.float64],
+    lab: NDArray[np.float64],
 ) -> NDArray[np.int64]:
     """Join segments into materials.
 
     Args:
+        sizes: (S,) voxels of each segment.
         borders: where the segments touch.
         log_likelihood: (S, K) of each segment's observations under each roughness; equal values
             where they hold no information.
@@ -79,6 +88,10 @@ def gloss_groups(
         (S,) the material 0, 1, ... of each segment, by first segments.
     """
     segments = len(log_likelihood)
+    lengths = {
+        (a, b): length
+        for (a, b), length in zip(borders.segments.tolist(), borders.lengths.tolist(), strict=True)
+    }
     surface = np.arange(segments)
     for (a, b), length, bend in zip(borders.segments, borders.lengths, borders.bends, strict=True):
         if length >= SHORTEST and bend <= SMOOTH:
@@ -86,20 +99,21 @@ def gloss_groups(
     surface = np.array([find_root(surface, k) for k in range(segments)], np.int64)
     material = np.arange(segments)
     for members in (np.flatnonzero(surface == root) for root in np.unique(surface)):
-        _group_surface(members, borders, log_likelihood, lab, material)
+        for group in _grouped(members.tolist(), lengths, sizes, log_likelihood, lab):
+            material[group] = min(group)
     return renumbered(material)
 
 
-def _group_surface(
-    members: NDArray[np.int64],
-    borders: Borders,
+def _grouped(
+    members: list[int],
+    lengths: dict[tuple[int, int], int],
+    sizes: NDArray[np.int64],
     log_likelihood: NDArray[np.float64],
     lab: NDArray[np.float64],
-    material: NDArray[np.int64],
-) -> None:
-    """Write the materials of one smooth surface's segments into ``material``."""
+) -> list[list[int]]:
+    """The materials of one smooth surface's segments."""
     groups: list[list[int]] = []
-    for segment in members.tolist():
+    for segment in sorted(members, key=lambda member: (-sizes[member], member)):
         for group in groups:
             is_alike = np.linalg.norm(lab[segment] - lab[group[0]]) <= SAME_COLOUR
             if is_alike and _agree(log_likelihood, group, [segment]):
@@ -107,25 +121,17 @@ def _group_surface(
                 break
         else:
             groups.append([segment])
-    touching = {tuple(pair) for pair in borders.segments.tolist()}
     merged = True
     while merged:
         merged = False
-        for a, first in enumerate(groups):
-            for b in range(a + 1, len(groups)):
-                second = groups[b]
-                recurs = len(first) + len(second) >= RECURRING and _alternate(
-                    first, second, touching
-                )
-                if recurs and _agree(log_likelihood, first, second):
-                    first.extend(second)
-                    del groups[b]
-                    merged = True
-                    break
-            if merged:
+        for a, b in itertools.combinations(range(len(groups)), 2):
+            first, second = groups[a], groups[b]
+            if _alternate(first, second, lengths, sizes) and _agree(log_likelihood, first, second):
+                first.extend(second)
+                del groups[b]
+                merged = True
                 break
-    for group in groups:
-        material[group] = min(group)
+    return groups
 
 
 def _agree(log_likelihood: NDArray[np.float64], first: list[int], second: list[int]) -> bool:
@@ -134,7 +140,16 @@ def _agree(log_likelihood: NDArray[np.float64], first: list[int], second: list[i
     return bool(a.max() + b.max() - (a + b).max() <= DISAGREEMENT)
 
 
-def _alternate(first: list[int], second: list[int], touching: set[tuple[int, ...]]) -> bool:
-    """Whether every segment of the more numerous group touches the other one."""
-    many, few = (first, second) if len(first) >= len(second) else (second, first)
-    return all(any((min(a, b), max(a, b)) in touching for b in few) for a in many)
+def _alternate(
+    first: list[int],
+    second: list[int],
+    lengths: dict[tuple[int, int], int],
+    sizes: NDArray[np.int64],
+) -> bool:
+    """Whether two groups of segments are side by side again and again."""
+    between = np.array([[lengths.get((min(a, b), max(a, b)), 0) for b in second] for a in first])
+    smaller = min(int(sizes[first].sum()), int(sizes[second].sum()))
+    if between.sum() >= INTERLEAVED * math.sqrt(smaller):
+        return True
+    many = between if len(first) >= len(second) else between.T
+    return len(first) + len(second) >= RECURRING and bool(many.any(axis=1).all())

@@ -15,7 +15,7 @@ from tqdm import tqdm
 
 from reflest_core.brdf import srgb
 from reflest_core.brdf.parameters import ALPHA
-from reflest_core.estimation.estimator import physical_ward
+from reflest_core.estimation.physical_ward import physical_ward
 from reflest_core.evaluation.networks import EvaluatedNetwork
 from reflest_core.evaluation.paper_figures import OPTIMISER_SECONDS
 from reflest_core.evaluation.shown_scenes import random_subset

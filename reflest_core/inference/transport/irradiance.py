@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.inference.transport.patch_grid import patches_of_texels
+from reflest_core.inference.transport.patch_grid import patch_shares, patches_of_texels
 from reflest_core.inference.transport.visibility import Sight
 from reflest_core.light.completion import LightPyramid
 from reflest_core.light.cosine_weights import SIZE, cosine_weights
@@ -38,7 +38,11 @@ def incoming(weights: NDArray[np.float32], sight: Sight | None = None) -> Incomi
         nothing = np.zeros(len(weights), np.float32)
         return Incoming(weights, nothing, np.zeros((len(weights), 3), np.float32))
     # np.take copies columns faster than an index does.
-    weights = weights * np.take(sight.visible, patches_of_texels(SIZE), axis=1)
+    whole, weights = weights, weights * np.take(sight.visible, patches_of_texels(SIZE), axis=1)
+    if sight.is_coloured:
+        by_patch = patch_shares(whole) * (np.float32(1.0) - sight.visible)
+        own = np.einsum("vp,vpc->vc", by_patch, sight.own)
+        return Incoming(weights, by_patch.sum(axis=1), np.asarray(own, np.float32))
     hidden = np.maximum(np.float32(1.0) - weights.sum(axis=1), np.float32(0.0))
     return Incoming(weights, hidden, hidden[:, None] * sight.own)
 

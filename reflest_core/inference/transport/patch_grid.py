@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.light.cosine_weights import SIZE
 from reflest_core.light.octahedral import octahedral_directions
 
 EDGE = 8
@@ -36,6 +37,24 @@ def patches_of_texels(size: int) -> NDArray[np.int64]:
     patches = np.empty(size * size, np.int64)
     patches[texels_of_patches(size)] = np.arange(PATCHES)[:, None]
     return patches
+
+
+def patch_shares(weights: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Sum texels over patches.
+
+    Args:
+        weights: (V, SIZE * SIZE) of :func:`.cosine_weights`.
+
+    Returns:
+        (V, P) share of each patch in the hemisphere, by cosine.
+    """
+    return np.asarray(weights @ _patch_sums(), np.float32)
+
+
+@cache
+def _patch_sums() -> NDArray[np.float32]:
+    """(SIZE * SIZE, P): 1 where a texel is of a patch."""
+    return np.eye(PATCHES, dtype=np.float32)[patches_of_texels(SIZE)]
 
 
 def patch_image(values: NDArray[np.float32], size: int) -> NDArray[np.float32]:

@@ -15,35 +15,20 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
-from reflest_core.inference.transport.patch_grid import EDGE, PATCHES, patches_of_texels
-from reflest_core.inference.transport.visibility import FLATTEST, LEAST_SHARE
+from reflest_core.inference.transport.patch_grid import EDGE, patch_shares
+from reflest_core.inference.transport.visibility import FLATTEST, LEAST_SHARE, Sight
 from reflest_core.jit import compiled, kernel_array
-from reflest_core.light.cosine_weights import SIZE
 from reflest_core.light.octahedral import octahedral_texel
+from reflest_core.surface.extent import NEIGHBOURS
 
 SURFELS = 1500
 """About so many stand for a scene, whatever its size."""
+MEASURED = 512
+"""Voxels about which the distance to neighbours is measured."""
 BACK = 0.3
 """Radiance of an underside that was never scanned, as a share of what is seen from above."""
-
-
-@dataclass(frozen=True)
-class SceneSight:
-    """What R voxels, or observations of voxels, see of the light past the rest of the scene.
-
-    Attributes:
-        visible: (R, P) float32 in [0, 1], the share of each patch's light that arrives.
-        own: (R, P, 3) float32, mean linear radiance that the scene sends from where it hides the
-            patch; 0 where it hides nothing.
-    """
-
-    visible: NDArray[np.float32]
-    own: NDArray[np.float32]
-
-    def of(self, rows: NDArray[np.int64]) -> SceneSight:
-        """The chosen rows."""
-        return SceneSight(self.visible[rows], self.own[rows])
 
 
 @dataclass(frozen=True)
@@ -67,7 +52,6 @@ class SceneOccluders:
         positions: NDArray[np.float32],
         normals: NDArray[np.float32],
         colours: NDArray[np.float32],
-        voxel_area: float,
     ) -> SceneOccluders:
         """Average the voxels of equal cells and similar normals.
 
@@ -75,9 +59,9 @@ class SceneOccluders:
             positions: (V, 3) metres.
             normals: (V, 3) unit.
             colours: (V, 3) linear radiance.
-            voxel_area: square metres of surface in a voxel.
         """
-        cell = math.sqrt(max(len(positions), 1) * voxel_area / SURFELS)
+        area = _voxel_area(positions)
+        cell = math.sqrt(max(len(positions), 1) * area / SURFELS)
         group, groups = cell_groups(positions, normals, max(cell, 1e-6))
         counts = np.bincount(group, minlength=groups)
 
@@ -90,7 +74,7 @@ class SceneOccluders:
         return SceneOccluders(
             mean(positions).astype(np.float32),
             (facing / np.maximum(length, 1e-6)[:, None]).astype(np.float32),
-            (counts * voxel_area * length).astype(np.float32),
+            (counts * area * length).astype(np.float32),
             mean(colours).astype(np.float32),
         )
 
@@ -99,7 +83,7 @@ class SceneOccluders:
         positions: NDArray[np.float32],
         normals: NDArray[np.float32],
         weights: NDArray[np.float32],
-    ) -> SceneSight:
+    ) -> Sight:
         """Compute what voxels see.
 
         Args:
@@ -118,16 +102,16 @@ class SceneOccluders:
         )
         shares = np.minimum(hidden / np.maximum(patch_shares(weights), LEAST_SHARE), 1.0)
         own = sent / np.maximum(hidden, np.float32(1e-9))[..., None]
-        return SceneSight(np.asarray(1.0 - shares, np.float32), np.asarray(own, np.float32))
+        return Sight(np.asarray(1.0 - shares, np.float32), np.asarray(own, np.float32))
 
 
-def patch_shares(weights: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(V, P) share of each patch in the hemisphere, by cosine.
-
-    Args:
-        weights: (V, SIZE * SIZE) of :func:`.cosine_weights`.
-    """
-    return np.asarray(weights @ np.eye(PATCHES, dtype=np.float32)[patches_of_texels(SIZE)])
+def _voxel_area(positions: NDArray[np.float32]) -> float:
+    """Square metres of surface for each voxel, by the distance to their sixth neighbours."""
+    if len(positions) <= NEIGHBOURS:
+        return 0.0
+    some = positions[:: max(len(positions) // MEASURED, 1)]
+    distances, _ = cKDTree(positions).query(some, k=NEIGHBOURS + 1)
+    return math.pi * float(np.median(distances[:, -1])) ** 2 / NEIGHBOURS
 
 
 def cell_groups(

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What observations of a scene mirror: of the light by patches, and of the scene itself.
 
-As :mod:`.ward_lobe` and :mod:`.reflected_patches`, with a colour of its own for what hides each
-patch, and a roughness for each observation.
+As :mod:`.reflected_patches`, with a colour of its own for what hides each patch, and a roughness
+for each observation.
 """
 
 from __future__ import annotations
@@ -16,44 +16,11 @@ from numpy.typing import NDArray
 from reflest_core.inference.transport.light_patches import PatchResponse
 from reflest_core.inference.transport.mirrored_texels import mirrored_texels, vector
 from reflest_core.inference.transport.patch_grid import PATCHES, patches_of_texels
-from reflest_core.inference.transport.scene_occluders import SceneSight
+from reflest_core.inference.transport.visibility import Sight
 from reflest_core.inference.transport.ward_lobe import HALF_VECTORS, LEVELS
 from reflest_core.jit import compiled, kernel_array
 from reflest_core.light.completion import LightPyramid, halved_to
 from reflest_core.surface.tangent_frame import tangent_frame
-
-
-def scene_lobes(
-    light: LightPyramid,
-    normals: NDArray[np.float32],
-    directions: NDArray[np.float32],
-    sight: SceneSight,
-) -> NDArray[np.float32]:
-    """Integrate the light over the lobe of every observation and every roughness.
-
-    Args:
-        light: the light.
-        normals: (O, 3) unit.
-        directions: (O, 3) unit, towards the camera.
-        sight: of the O observations.
-
-    Returns:
-        (O, K, 5): linear radiance reflected at ``rho_s = 1`` (3), then the known and the clipped
-        share of the lobe. What comes from the scene itself counts as known.
-    """
-    gathered = np.empty((len(normals), len(LEVELS), 5), np.float32)
-    for roughness, level_index in enumerate(LEVELS):
-        level = light.levels[level_index]
-        gathered[:, roughness] = _lobe(
-            level.reshape(-1, 5),
-            patches_of_texels(len(level)),
-            HALF_VECTORS[roughness],
-            kernel_array(normals, np.float32),
-            kernel_array(directions, np.float32),
-            kernel_array(sight.visible, np.float32),
-            kernel_array(sight.own, np.float32),
-        )
-    return gathered
 
 
 def scene_reflection(
@@ -61,7 +28,7 @@ def scene_reflection(
     roughness_of: NDArray[np.int64],
     normals: NDArray[np.float32],
     directions: NDArray[np.float32],
-    sight: SceneSight,
+    sight: Sight,
 ) -> PatchResponse:
     """Response of mirrored observations to each part of the light, at ``rho_s = 1``.
 
@@ -122,37 +89,3 @@ def _patches(
                 answer[1 + patch] += unknown * radiance
                 answer[1 + patches + patch] += arriving * beyond_white[texel, channel]
     return answers
-
-
-@compiled
-def _lobe(
-    light: NDArray[np.float32],
-    patch_of: NDArray[np.int64],
-    half_vectors: NDArray[np.float32],
-    normals: NDArray[np.float32],
-    directions: NDArray[np.float32],
-    visible: NDArray[np.float32],
-    own: NDArray[np.float32],
-) -> NDArray[np.float32]:
-    size, samples = int(math.sqrt(len(light))), half_vectors.shape[1]
-    gathered = np.zeros((len(normals), 5), np.float32)
-    weights, texels = np.empty(samples, np.float64), np.empty(samples, np.int32)
-    for observation in range(len(normals)):
-        frame = tangent_frame(normals[observation])
-        n, o = vector(normals, observation), vector(directions, observation)
-        mirrored_texels(frame, n, o, half_vectors, size, weights, texels)
-        total, known, clipped = 0.0, 0.0, 0.0
-        for sample in range(samples):
-            texel = texels[sample]
-            patch = patch_of[texel]
-            weight = weights[sample] * visible[observation, patch]
-            hidden = weights[sample] - weight
-            total += weights[sample]
-            known += weight * light[texel, 3] + hidden
-            clipped += weight * light[texel, 4]
-            for channel in range(3):
-                sent = weight * light[texel, channel] + hidden * own[observation, patch, channel]
-                gathered[observation, channel] += sent / samples
-        gathered[observation, 3] = known / max(total, 1e-6)
-        gathered[observation, 4] = clipped / max(total, 1e-6)
-    return gathered

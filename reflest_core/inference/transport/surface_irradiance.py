@@ -11,11 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.inference.transport.patch_grid import PATCHES, texels_of_patches
-from reflest_core.inference.transport.scene_occluders import (
-    SceneOccluders,
-    SceneSight,
-    cell_groups,
-)
+from reflest_core.inference.transport.scene_occluders import SceneOccluders, cell_groups
+from reflest_core.inference.transport.visibility import Sight
 from reflest_core.jit import compiled, kernel_array
 from reflest_core.light.completion import LightPyramid
 from reflest_core.light.cosine_weights import SIZE, cosine_weights
@@ -39,7 +36,7 @@ class SurfaceSight:
 
     normal_of: NDArray[np.int64]
     group_of: NDArray[np.int64]
-    sight: SceneSight
+    sight: Sight
 
     @staticmethod
     def of(

@@ -11,14 +11,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.inference.transport.patch_grid import EDGE, PATCHES, patches_of_texels
+from reflest_core.inference.transport.patch_grid import EDGE, PATCHES, patch_shares
 from reflest_core.jit import compiled, kernel_array
-from reflest_core.light.cosine_weights import SIZE
 from reflest_core.light.octahedral import octahedral_texel
 from reflest_core.surface.extent import NEIGHBOURS, surfel_areas
 
@@ -30,10 +28,12 @@ FLATTEST = 0.05
 
 @dataclass(frozen=True)
 class Sight:
-    """What R voxels, or observations of voxels, see of the light past the rest of the object.
+    """What R voxels, or observations of voxels, see of the light past the rest of the scan.
 
-    ``visible``: (R, P) in [0, 1], the share of each patch's light that arrives. ``own``: (3,),
-    the mean linear radiance that the object sends from where it hides the light.
+    Attributes:
+        visible: (R, P) float32 in [0, 1], the share of each patch's light that arrives.
+        own: the mean linear radiance that the scan sends from where it hides the light: (3,)
+            float32 of all, or (R, P, 3) of each patch, 0 where it hides nothing.
     """
 
     visible: NDArray[np.float32]
@@ -45,8 +45,17 @@ class Sight:
         return Sight(np.ones((count, PATCHES), np.float32), np.zeros(3, np.float32))
 
     def of(self, rows: NDArray[np.int64]) -> Sight:
-        """The chosen rows."""
-        return Sight(self.visible[rows], self.own)
+        """Select rows.
+
+        Args:
+            rows: (N,) indices of voxels or observations.
+        """
+        return Sight(self.visible[rows], self.own[rows] if self.is_coloured else self.own)
+
+    @property
+    def is_coloured(self) -> bool:
+        """Whether what hides each patch has a colour of its own."""
+        return self.own.ndim == 3
 
 
 @dataclass(frozen=True)
@@ -85,15 +94,9 @@ class Occluders:
             kernel_array(normals, np.float32),
             EDGE,
         )
-        whole = weights @ _patch_sums()
+        whole = patch_shares(weights)
         shares = np.minimum(hidden / np.maximum(whole, LEAST_SHARE), 1.0)
         return Sight(np.asarray(1.0 - shares, np.float32), self.own)
-
-
-@cache
-def _patch_sums() -> NDArray[np.float32]:
-    """(SIZE * SIZE, P): 1 where a texel is of a patch."""
-    return np.eye(PATCHES, dtype=np.float32)[patches_of_texels(SIZE)]
 
 
 @compiled

@@ -40,11 +40,25 @@ def lobe_radiance(
     ``normals`` and ``directions`` (towards the camera): (O, 3) unit. The first three are the
     radiance reflected at ``rho_s = 1``; then the seen and the clipped share of the lobe. ``sight``:
     of the O observations; without, the object hides nothing of the light. What it sends itself
-    counts as unseen: only its mean colour is known.
+    counts as unseen where only its mean colour is known, and as seen where each patch has a colour.
     Half vectors are stratified over the lobe, ``tan theta_h = alpha sqrt(-ln(1 - u))``, and weigh
     ``(omega_o . h) cos^3 theta_h sqrt(cos theta_i / cos theta_o)``, which is f / pdf for Eq. 1.
     """
     sight = sight or Sight.open(len(normals))
+    if sight.is_coloured:
+        lobes = [
+            _coloured_lobe(
+                _flat(light.levels[level]),
+                _patches(light.levels[level]),
+                half,
+                kernel_array(normals, np.float32),
+                kernel_array(directions, np.float32),
+                kernel_array(sight.visible, np.float32),
+                kernel_array(sight.own, np.float32),
+            )
+            for level, half in zip(LEVELS, HALF_VECTORS, strict=True)
+        ]
+        return np.stack(lobes, axis=1)
     fine, middle, coarse = light.levels[:3]
     return _gather(
         (_flat(fine), _flat(middle), _flat(coarse)),
@@ -151,4 +165,38 @@ def _gather(
             gathered[observation, roughness, 2] = (blue + itself * own[2]) / samples
             gathered[observation, roughness, 3] = seen / max(total, 1e-6)
             gathered[observation, roughness, 4] = clipped / max(total, 1e-6)
+    return gathered
+
+
+@compiled
+def _coloured_lobe(
+    light: NDArray[np.float32],
+    patch_of: NDArray[np.int64],
+    half_vectors: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    directions: NDArray[np.float32],
+    visible: NDArray[np.float32],
+    own: NDArray[np.float32],
+) -> NDArray[np.float32]:
+    size, samples = int(math.sqrt(len(light))), half_vectors.shape[1]
+    gathered = np.zeros((len(normals), 5), np.float32)
+    weights, texels = np.empty(samples, np.float64), np.empty(samples, np.int32)
+    for observation in range(len(normals)):
+        frame = tangent_frame(normals[observation])
+        n, o = vector(normals, observation), vector(directions, observation)
+        mirrored_texels(frame, n, o, half_vectors, size, weights, texels)
+        total, known, clipped = 0.0, 0.0, 0.0
+        for sample in range(samples):
+            texel = texels[sample]
+            patch = patch_of[texel]
+            weight = weights[sample] * visible[observation, patch]
+            hidden = weights[sample] - weight
+            total += weights[sample]
+            known += weight * light[texel, 3] + hidden
+            clipped += weight * light[texel, 4]
+            for channel in range(3):
+                sent = weight * light[texel, channel] + hidden * own[observation, patch, channel]
+                gathered[observation, channel] += sent / samples
+        gathered[observation, 3] = known / max(total, 1e-6)
+        gathered[observation, 4] = clipped / max(total, 1e-6)
     return gathered

@@ -13,7 +13,8 @@ from hypothesis.extra.numpy import arrays
 
 from reflest_core.brdf.gloss import ward_to_labcd
 from reflest_core.estimation.estimate import EstimateStatus
-from reflest_core.estimation.estimator import Estimator, NoEstimate, physical_ward
+from reflest_core.estimation.estimator import Estimator, NoEstimate
+from reflest_core.estimation.physical_ward import physical_ward
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.models.registry import shipped_models
 from test.core.lit_surfaces import lit

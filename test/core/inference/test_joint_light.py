@@ -24,7 +24,7 @@ class Scene:
         self.surface, self.labels = self.table.surface, self.table.labels
         colours = voxel_colours(self.surface.colours, self.surface.offsets)
         self.places = self.surface.positions, self.surface.normals
-        self.occluders = SceneOccluders.of(*self.places, colours.median, VOXEL**2)
+        self.occluders = SceneOccluders.of(*self.places, colours.median)
         self.sight = SurfaceSight.of(*self.places, self.occluders)
         one = np.ones((96, 96, 1), np.float32)
         self.true_light = levels_below(np.concatenate([self.table.light, one, 0 * one], axis=-1))
@@ -85,7 +85,7 @@ def test_deviations_are_finite_and_larger_where_less_is_known(scene, found):
 def test_a_warm_start_moves_less_than_it_is_unsure(scene, found):
     inference = scene.inference()
     _, gloss = inference.gloss()
-    again = inference.infer(gloss, found.start(np.arange(4)), 3)
+    again = inference.infer(gloss, found.start(), 3)
     moved = np.abs(np.log(again.rho_d / found.rho_d))
     assert (moved < np.maximum(found.rho_d_log_deviation, 0.02)).all()
 

@@ -7,8 +7,8 @@ import pytest
 
 from reflest_core.inference.transport.irradiance import mean_radiance
 from reflest_core.inference.transport.patch_grid import PATCHES
-from reflest_core.inference.transport.scene_occluders import SceneOccluders, SceneSight
-from reflest_core.inference.transport.scene_reflection import scene_lobes, scene_reflection
+from reflest_core.inference.transport.scene_occluders import SceneOccluders
+from reflest_core.inference.transport.scene_reflection import scene_reflection
 from reflest_core.inference.transport.surface_irradiance import SurfaceSight, surface_irradiance
 from reflest_core.inference.transport.visibility import Sight
 from reflest_core.inference.transport.ward_lobe import ROUGHNESSES, lobe_radiance
@@ -36,11 +36,11 @@ def ceiling(facing):
     normals = np.zeros_like(positions)
     normals[:, 2] = facing
     colours = np.tile(np.float32([0.5, 0.2, 0.1]), (len(x), 1))
-    return SceneOccluders.of(positions, normals, colours, 0.05**2)
+    return SceneOccluders.of(positions, normals, colours)
 
 
 def open_to(count):
-    return SceneSight(np.ones((count, PATCHES), np.float32), np.zeros((count, PATCHES, 3)))
+    return Sight(np.ones((count, PATCHES), np.float32), np.zeros((count, PATCHES, 3)))
 
 
 @pytest.mark.parametrize("facing", [-1.0, 1.0])
@@ -68,7 +68,7 @@ def test_without_occluders_the_table_of_normals_agrees_with_the_sum_over_texels(
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     positions = rng.random((200, 3)).astype(np.float32)
     nothing = np.zeros((0, 3), np.float32)
-    sight = SurfaceSight.of(positions, normals, SceneOccluders.of(nothing, nothing, nothing, 1.0))
+    sight = SurfaceSight.of(positions, normals, SceneOccluders.of(nothing, nothing, nothing))
     found = surface_irradiance(random_light(), sight)
     np.testing.assert_allclose(found, mean_radiance(random_light(), normals), rtol=0.03)
 
@@ -83,7 +83,7 @@ def observations(count=30):
 
 def test_lobes_in_the_open_are_those_of_one_object():
     normals, directions = observations()
-    found = scene_lobes(random_light(), normals, directions, open_to(30))
+    found = lobe_radiance(random_light(), normals, directions, open_to(30))
     np.testing.assert_allclose(
         found, lobe_radiance(random_light(), normals, directions, Sight.open(30)), rtol=1e-5
     )
@@ -94,12 +94,12 @@ def test_parts_of_a_reflection_add_up_to_its_lobe():
     roughness_of = np.arange(30) % len(ROUGHNESSES)
     sight = open_to(30)
     parts = scene_reflection(light, roughness_of, normals, directions, sight)
-    lobes = scene_lobes(light, normals, directions, sight)[np.arange(30), roughness_of, :3]
+    lobes = lobe_radiance(light, normals, directions, sight)[np.arange(30), roughness_of, :3]
     found = parts.seen + parts.unseen.sum(axis=1)
     np.testing.assert_allclose(found, lobes, rtol=1e-4, atol=1e-6)
 
 
 def test_a_mirror_under_a_ceiling_shows_its_colour():
     sight = ceiling(-1.0).sight(np.zeros((1, 3), np.float32), UP, cosine_weights(UP))
-    lobes = scene_lobes(even_light(0.0), UP, UP.copy(), sight)
+    lobes = lobe_radiance(even_light(0.0), UP, UP.copy(), sight)
     np.testing.assert_allclose(lobes[0, 0, :3] / lobes[0, 0, 0], [1.0, 0.4, 0.2], rtol=1e-4)

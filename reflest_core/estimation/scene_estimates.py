@@ -1,0 +1,139 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Materials and voxels of one scan in one light: values that together reproduce the scan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.estimation.physical_ward import physical_ward
+from reflest_core.inference.gloss.network_update import with_posterior
+from reflest_core.inference.gloss.posterior import GlossPosterior, gloss_posterior
+from reflest_core.inference.gloss.rated_surface import RatedSurface
+from reflest_core.inference.light import SceneLight
+from reflest_core.inference.photometric_error import photometric_error
+from reflest_core.inference.transport.scene_occluders import SceneOccluders
+from reflest_core.inference.transport.surface_irradiance import SurfaceSight, surface_irradiance
+from reflest_core.inference.voxel_albedo import Gloss, VoxelAlbedo, voxel_albedo
+from reflest_core.models.predictor import Prediction
+from reflest_core.surface.diffuse_colours import diffuse_colours
+from reflest_core.surface.observed_surface import ObservedSurface
+
+TRIMMED = 0.1
+"""Share of a material's voxels at either end that its mean albedo leaves out."""
+LEAST_MEAN = 1e-3
+"""Mean albedo below which voxels are not scaled further."""
+
+
+@dataclass(frozen=True)
+class SceneEstimate:
+    """One material and its N voxels.
+
+    Attributes:
+        ward: (5,) float64 ``rho_d`` (3), ``rho_s``, ``alpha``, physical.
+        stddev: (5,) float64 standard deviations; None where the network knows none.
+        gloss: what the observations say about roughness.
+        rho_d: (N, 3) float32 of each voxel, linear sRGB.
+        rho_d_stddev: (N, 3) float32 its standard deviation, that of the light's strength included.
+        photometric_error: RMS of the voxels rendered in the light less what was observed, over the
+            mean of that.
+    """
+
+    ward: NDArray[np.float64]
+    stddev: NDArray[np.float64] | None
+    gloss: GlossPosterior
+    rho_d: NDArray[np.float32]
+    rho_d_stddev: NDArray[np.float32]
+    photometric_error: float
+
+
+class SceneEstimates:
+    """Reconciles a network's answers with the light of a scan."""
+
+    def __init__(
+        self, surface: ObservedSurface, light: SceneLight, gloss_information: float
+    ) -> None:
+        """Compute the irradiance of all voxels, and what each can say about roughness.
+
+        Args:
+            surface: the scan, +z up.
+            light: of that scan.
+            gloss_information: log-likelihood from which roughness is identifiable.
+        """
+        self._surface, self._light, self._information = surface, light, gloss_information
+        self._rated = RatedSurface.of(surface, light.filled)
+        occluders = light.occluders
+        if not isinstance(occluders, SceneOccluders):
+            colours = diffuse_colours(surface, np.arange(surface.voxel_count), 0.5)
+            occluders = SceneOccluders.of(surface.positions, surface.normals, colours)
+        self._sight = SurfaceSight.of(surface.positions, surface.normals, occluders)
+        self._irradiance = surface_irradiance(light.completed, self._sight)[:, :3]
+
+    def of_material(
+        self, material_id: int, voxels: NDArray[np.int64], prediction: Prediction
+    ) -> SceneEstimate:
+        """Estimate a material and its voxels.
+
+        Of a scene's only material the network gives the albedos, and voxels are scaled to them.
+        Among several the light is known so well that ``rho_s`` and ``rho_d`` follow from it. The
+        roughness is the network's, with what the posterior adds.
+
+        Args:
+            material_id: the material, of which the light has evidence.
+            voxels: (N,) its voxels' indices, N >= 1.
+            prediction: the network's.
+        """
+        light, joint = self._light, self._light.joint
+        segments = [voxels] if joint is None else joint.segments_of(voxels)
+        gloss = gloss_posterior(
+            self._surface, light.filled, segments, self._rated, least_gain=self._information
+        )
+        ward, stddev = physical_ward(prediction.ward), prediction.stddev
+        if stddev is not None:
+            ward, stddev = with_posterior(ward, stddev, gloss)
+        _, inferred, _ = light.inferred[material_id]
+        if joint is None:
+            found = self._scaled(self._albedo(voxels, ward), ward[:3])
+        else:
+            rho_s, rho_s_stddev = joint.gloss_of(voxels)
+            ward[3] = rho_s
+            found = self._albedo(voxels, ward)
+            ward = physical_ward(np.concatenate([_trimmed_mean(found.rho_d), ward[3:]]))
+            if stddev is not None:
+                of_albedo = ward[:3] * inferred.deviation
+                stddev = np.concatenate([of_albedo, [rho_s_stddev], stddev[4:]])
+        error = photometric_error(
+            self._surface,
+            voxels,
+            found.rho_d,
+            light.completed,
+            self._sight,
+            self._irradiance,
+            _gloss(ward),
+        )
+        deviation = np.hypot(found.deviation, found.rho_d * inferred.deviation)
+        return SceneEstimate(ward, stddev, gloss, found.rho_d, deviation, error)
+
+    def _albedo(self, voxels: NDArray[np.int64], ward: NDArray[np.float64]) -> VoxelAlbedo:
+        scene = self._surface, voxels, self._light.completed, self._sight, self._irradiance
+        return voxel_albedo(*scene, _gloss(ward))
+
+    @staticmethod
+    def _scaled(found: VoxelAlbedo, mean: NDArray[np.float64]) -> VoxelAlbedo:
+        """The voxels' albedos with this mean (3,)."""
+        scale = mean / np.maximum(_trimmed_mean(found.rho_d), LEAST_MEAN)
+        rho_d = np.clip(found.rho_d * scale, 0.0, 1.0).astype(np.float32)
+        return VoxelAlbedo(rho_d, (found.deviation * scale).astype(np.float32))
+
+
+def _gloss(ward: NDArray[np.float64]) -> Gloss:
+    return Gloss(float(ward[3]), float(ward[4]))
+
+
+def _trimmed_mean(values: NDArray[np.float32]) -> NDArray[np.float64]:
+    left_out = int(TRIMMED * len(values))
+    ranked = np.sort(values, axis=0)[left_out : len(values) - left_out]
+    return np.asarray(ranked.mean(axis=0, dtype=np.float64))

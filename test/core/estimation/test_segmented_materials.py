@@ -1,0 +1,147 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The materials of a scanned table, without anything being said about what stands on it."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from reflest_core.estimation.estimator import Estimator, NoEstimate
+from reflest_core.estimation.settings import EstimationSettings
+from reflest_core.light.turned_light import turned_light
+from reflest_core.segmentation.segmenter import Segmenter
+from reflest_core.surface.selection import keep_voxels
+from test.core.lit_table import MATERIALS, Material, lit_table
+
+SETTINGS = EstimationSettings()
+
+
+@pytest.fixture(scope="module")
+def table():
+    found = lit_table(voxel=0.006, table=0.14)
+    keys = np.random.default_rng(3).permutation(found.surface.voxel_count) + 1
+    order = np.argsort(keys)
+    surface = dataclasses.replace(found.surface, keys=keys)
+    return dataclasses.replace(
+        found, surface=keep_voxels(surface, order), labels=found.labels[order]
+    )
+
+
+def mapped(surface, segmenter=None, settings=SETTINGS):
+    segmenter = segmenter or Segmenter()
+    return Estimator(settings).segmented_materials(surface, segmenter, 5, "camera")
+
+
+@pytest.fixture(scope="module")
+def found(table):
+    return mapped(table.surface)
+
+
+def agreement(found, labels):
+    """(truth, id) counts of voxels."""
+    ids = found.material_ids.astype(int)
+    counts = np.zeros((labels.max() + 1, ids.max() + 1), int)
+    np.add.at(counts, (labels, ids), 1)
+    return counts
+
+
+def test_every_ball_is_a_material_of_its_own(table, found):
+    counts = agreement(found, table.labels)
+    assert (counts.max(axis=1) > 0.85 * counts.sum(axis=1)).all()
+    assert len(set(counts.argmax(axis=1))) == 4
+    purity = counts.max(axis=0).sum() / counts.sum()
+    assert purity > 0.97
+
+
+def test_albedos_of_voxels_are_near_the_truth(table, found):
+    truth = np.array([material.rho_d for material in table.materials])[table.labels]
+    assert np.median(np.abs(np.log(found.rho_d / truth))) < 0.3
+    assert np.isfinite(found.rho_d_stddev).all()
+
+
+def test_materials_reproduce_what_was_observed(found):
+    assert found.materials
+    for material in found.materials:
+        # Where balls touch the table it is dark, and the light there is known roughly.
+        assert material.photometric_error < 0.25 or material.voxel_count < 100
+        assert 0.0 < material.estimate.rho_d_stddev[0] < 0.5
+
+
+def test_materials_are_in_falling_order_of_area(table, found):
+    areas = [material.area for material in found.materials]
+    assert areas == sorted(areas, reverse=True)
+    assert found.materials[0].id == agreement(found, table.labels)[0].argmax()
+
+
+def test_the_same_scan_gives_the_same_bits(table, found):
+    again = mapped(table.surface)
+    np.testing.assert_array_equal(again.rho_d, found.rho_d)
+    np.testing.assert_array_equal(again.partition.material_ids, found.partition.material_ids)
+    assert again.materials == found.materials
+
+
+def test_the_order_of_the_voxels_does_not_matter(table, found):
+    order = np.random.default_rng(0).permutation(table.surface.voxel_count)
+    again = mapped(keep_voxels(table.surface, order))
+    np.testing.assert_array_equal(again.rho_d, found.rho_d)
+    np.testing.assert_array_equal(again.partition.material_ids, found.partition.material_ids)
+
+
+def test_ids_stay_while_the_scan_grows(table):
+    segmenter = Segmenter()
+    half = keep_voxels(table.surface, np.flatnonzero(table.surface.positions[:, 0] > -0.02))
+    first = mapped(half, segmenter)
+    second = mapped(table.surface, segmenter)
+    common = second.partition.ids_of(first.partition.keys)
+    assert (common == first.partition.material_ids).mean() > 0.95
+
+
+def test_a_turned_world_gives_the_same_materials(table, found):
+    turn = np.float32([[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # z becomes -y
+    surface = table.surface
+    turned = dataclasses.replace(
+        surface,
+        positions=surface.positions @ turn.T,
+        normals=surface.normals @ turn.T,
+        view_centres=surface.view_centres @ turn.T,
+        light=turned_light(surface.light, turn),
+    )
+    again = mapped(turned, settings=dataclasses.replace(SETTINGS, up=(0.0, 1.0, 0.0)))
+    counts = agreement(again, table.labels)
+    assert (counts.max(axis=1) > 0.85 * counts.sum(axis=1)).all()
+    ratio = np.median(again.rho_d / found.rho_d)
+    assert 0.8 < ratio < 1.25
+
+
+def test_a_table_of_two_colours_and_one_gloss_is_one_material():
+    dark = Material((0.10, 0.12, 0.08), MATERIALS[0].rho_s, MATERIALS[0].alpha)
+
+    def squares(points):
+        return 4 * (np.floor(points / 0.07).astype(int).sum(axis=1) % 2)
+
+    scan = lit_table(0.006, table=0.14, materials=(*MATERIALS, dark), pattern=squares)
+    surface = dataclasses.replace(scan.surface, keys=np.arange(1, len(scan.labels) + 1))
+    found = mapped(surface)
+    counts = agreement(found, scan.labels)
+    assert counts.argmax(axis=1)[0] == counts.argmax(axis=1)[4]
+    assert (counts.max(axis=1) > 0.85 * counts.sum(axis=1)).all()
+    bright, dark = (np.median(found.rho_d[scan.labels == k], axis=0) for k in (0, 4))
+    np.testing.assert_allclose(bright / dark, [3.0, 5.0 / 3.0, 1.5], rtol=0.25)
+
+
+def test_a_network_that_sees_no_light_estimates_the_same_materials(table, found):
+    grouplet = dataclasses.replace(SETTINGS, model="grouplet-fast")
+    other = mapped(table.surface, settings=grouplet)
+    np.testing.assert_array_equal(other.partition.material_ids, found.partition.material_ids)
+    assert other.light is None
+
+
+def test_a_scan_without_light_has_materials_too(table):
+    found = mapped(dataclasses.replace(table.surface, light=None))
+    assert len(found.materials) >= 4
+
+
+def test_too_few_voxels_have_no_materials(table):
+    with pytest.raises(NoEstimate):
+        mapped(keep_voxels(table.surface, np.arange(3)))
