@@ -24,8 +24,8 @@ from reflest_core.inference.gloss.network_update import with_posterior
 from reflest_core.inference.gloss.posterior import GlossPosterior, gloss_posterior
 from reflest_core.inference.light import SceneLight, infer_light, seen_light
 from reflest_core.inference.material import explain_material
+from reflest_core.models.linear_algebra import one_blas_thread
 from reflest_core.models.predictor import Prediction, Predictor
-from reflest_core.models.threads import one_blas_thread
 from reflest_core.segmentation.segmenter import Segmenter, in_key_order
 from reflest_core.surface.coverage import hemisphere_coverage
 from reflest_core.surface.extent import voxel_extent
