@@ -9,12 +9,24 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.fusion.settings import FusionSettings, KeyframeSettings, RegionSettings
 from reflest_core.models.registry import DEVICES, models
 from reflest_core.parameter import ParameterError, check_parameters, parameter
+from reflest_core.parameter_file import check_known, read_parameter_file
+
+NODE_GROUPS = (
+    "lifecycle",
+    "autosave",
+    "files",
+    "topics",
+    "input",
+    "preview",
+    "voxels",
+    "environment",
+    "markers",
+)
+"""Groups that the ROS node has beside these; its parameter files hold both."""
 
 
 @dataclass(frozen=True)
@@ -104,16 +116,35 @@ class ReflestSettings:
 
     @staticmethod
     def from_yaml(path: Path) -> ReflestSettings:
-        """Read a ROS 2 parameter file (``/**: ros__parameters: {group: {name: value}}``)."""
-        try:
-            tree = yaml.safe_load(path.read_text())
-            values = next(iter(tree.values()))["ros__parameters"]
-        except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-            raise ParameterError(f"{path} cannot be read as YAML ({error})") from error
-        except (AttributeError, KeyError, StopIteration, TypeError) as error:
-            raise ParameterError(f"{path} has no ros__parameters under a node name") from error
-        settings = {group.name for group in dataclasses.fields(ReflestSettings)}
-        return ReflestSettings.from_values({k: v for k, v in values.items() if k in settings})
+        """Read a ROS 2 parameter file as the node does; the node's own groups are passed over.
+
+        Args:
+            path: The file; :mod:`reflest_core.parameter_file` says which of its nodes is read.
+
+        Returns:
+            The settings; what the file does not name keeps its default.
+
+        Raises:
+            ParameterError: The file cannot be read, or a name, type or value is wrong.
+        """
+        values = read_parameter_file(path)
+        tree = ReflestSettings()
+        groups = [group.name for group in dataclasses.fields(tree)]
+        known = [
+            f"{group}.{member.name}"
+            for group in groups
+            for member in dataclasses.fields(getattr(tree, group))
+        ]
+        for group in groups:
+            if group in values:
+                raise ParameterError(f"{group} must hold names and values, not {values[group]!r}")
+        check_known(values, [*known, *(f"{group}." for group in NODE_GROUPS)], str(path))
+        nested: dict[str, dict[str, Any]] = {}
+        for name, value in values.items():
+            group, _, member = name.partition(".")
+            if group in groups:
+                nested.setdefault(group, {})[member] = value
+        return ReflestSettings.from_values(nested)
 
 
 def with_values(group: Any, given: dict[str, Any], group_name: str) -> Any:
