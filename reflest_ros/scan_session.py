@@ -52,7 +52,11 @@ class ScanSession:
         warm_up(self.scanner.estimator)
         self.autosave = Autosave(node, node_settings.autosave, self.scanner)
         self.assembler = FrameAssembler(
-            settings.capture, self.inputs.topics, self._on_refusal, self._on_clock_jump
+            settings.capture,
+            self.inputs.topics,
+            self._on_refusal,
+            self._on_clock_jump,
+            self._log.warning,
         )
         self.is_active = False
         self.output = EstimateOutput(node, [view(node) for view in VIEWS])

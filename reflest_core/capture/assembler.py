@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from reflest_core.capture.camera_info import CalibratedCamera
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.images.decode import decode_colour, decode_depth, decode_mask
+from reflest_core.capture.images.depth_gaps import fill_gaps
+from reflest_core.capture.images.depth_registration import along_axis
 from reflest_core.capture.images.rectify import CheckedCamera, Rectifier
-from reflest_core.capture.messages import Match, Role, SensorMessage
+from reflest_core.capture.messages import Match, Role, SensorMessage, plain_frame
 from reflest_core.capture.refusal import FrameRefused, RefusalCause, RefusalLog
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.capture.sync.camera_pose import CameraPoses
@@ -40,15 +42,18 @@ class FrameAssembler:
         topics: Mapping[Role, str] = RELATIVE_NAMES,
         on_refusal: RefusalListener | None = None,
         on_clock_jump: Callable[[str], None] = lambda _: None,
+        on_warning: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.refusals = RefusalLog()
         self._settings = settings
         self._topics = {**RELATIVE_NAMES, **topics}
         self._on_refusal = on_refusal
         transforms = TransformBuffer(settings.max_transform_gap, settings.clock_jump)
-        self._camera = CheckedCamera(self._topics[Role.CAMERA_INFO], settings)
+        self._camera = CheckedCamera(
+            self._topics[Role.CAMERA_INFO], self._topics[Role.RGB], settings, on_warning
+        )
         self._poses = CameraPoses(settings, self._topics, transforms)
-        self._alignment = DepthAlignment(settings, self._topics, transforms)
+        self._alignment = DepthAlignment(settings, self._topics, transforms, on_warning)
         self._matcher = Matcher(
             settings, self._topics, self.refuse, transforms, self._alignment, on_clock_jump
         )
@@ -111,17 +116,25 @@ class FrameAssembler:
         self, match: Match, camera: CalibratedCamera, rectifier: Rectifier | None
     ) -> NDArray[np.float32]:
         topic = self._topics[Role.DEPTH]
-        depth = decode_depth(match.depth, topic, self._settings.depth_scale)
+        settings = self._settings
+        is_rotated = settings.depth_encoding == "rotated"
+        depth = decode_depth(match.depth, topic, settings.depth_unit(), is_rotated)
         if self._alignment.is_needed(match.rgb, match.depth):
-            depth = self._alignment.register(depth, match, camera)
-        else:
-            self._check_size(Role.DEPTH, depth, camera)
-            depth = depth if rectifier is None else rectifier.depth(depth)
-        return depth
+            return self._alignment.register(depth, match, camera)
+        self._check_size(Role.DEPTH, depth, camera)
+        depth = depth if rectifier is None else rectifier.depth(depth)
+        if settings.depth_kind == "ray":
+            depth = along_axis(depth, camera.intrinsics)
+        return fill_gaps(depth)
 
     def _check_info_frame(self, match: Match) -> None:
         described, colour = match.camera_info.frame_id, match.rgb.frame_id
-        if self._settings.check_frame_ids and described and colour and described != colour:
+        if (
+            self._settings.check_frame_ids
+            and described
+            and colour
+            and (plain_frame(described) != plain_frame(colour))
+        ):
             raise FrameRefused(
                 RefusalCause.FRAME_MISMATCH,
                 f"{self._topics[Role.CAMERA_INFO]} describes the camera {described!r}, colour is "

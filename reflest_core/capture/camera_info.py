@@ -15,17 +15,25 @@ from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.capture.settings import CaptureSettings
 
 APPLIED_MODELS = ("plumb_bob", "rational_polynomial")
-COEFFICIENT_COUNTS = (4, 5, 8)
+COEFFICIENT_COUNTS = (4, 5, 8, 12, 14)
 # With these, coefficients of zero are still a fisheye, not a pinhole.
 FISHEYE_MODELS = ("equidistant", "fisheye", "kannala_brandt", "kannala_brandt4")
+FISHEYE_COUNT = 4
 
 
 @dataclass(frozen=True)
 class CalibratedCamera:
-    """Intrinsics of the published image, and the distortion still in it (OpenCV's order)."""
+    """Intrinsics of the published image, and the distortion still in it.
+
+    Attributes:
+        intrinsics: Pinhole camera, which stays as it is when distortion is taken out.
+        distortion: Coefficients in OpenCV's order; empty where there is none.
+        is_fisheye: The coefficients are k1 to k4 of the equidistant model (``cv2.fisheye``).
+    """
 
     intrinsics: CameraIntrinsics
     distortion: tuple[float, ...] = ()
+    is_fisheye: bool = False
 
 
 def check_camera_info(
@@ -64,7 +72,8 @@ def check_camera_info(
             "finite and skew 0",
         )
     distortion = () if settings.rectified else _checked_distortion(info, topic)
-    return CalibratedCamera(intrinsics, distortion)
+    is_fisheye = bool(distortion) and info.distortion_model in FISHEYE_MODELS
+    return CalibratedCamera(intrinsics, distortion, is_fisheye)
 
 
 def _matrix(info: CameraInfoMessage, topic: str, rectified: bool) -> NDArray[np.float64]:
@@ -76,7 +85,11 @@ def _matrix(info: CameraInfoMessage, topic: str, rectified: bool) -> NDArray[np.
 
 def _checked_distortion(info: CameraInfoMessage, topic: str) -> tuple[float, ...]:
     if info.distortion_model in FISHEYE_MODELS:
-        raise _not_applied(info, topic)
+        if len(info.d) < FISHEYE_COUNT or any(info.d[FISHEYE_COUNT:]):
+            raise _not_applied(info, topic)
+        if not np.isfinite(info.d).all():
+            raise _invalid(topic, "has distortion coefficients that are NaN or infinite")
+        return tuple(info.d[:FISHEYE_COUNT])
     if not any(info.d):  # NaN counts as present and is refused below
         return ()
     if info.distortion_model not in APPLIED_MODELS or len(info.d) not in COEFFICIENT_COUNTS:
@@ -89,9 +102,9 @@ def _checked_distortion(info: CameraInfoMessage, topic: str) -> tuple[float, ...
 def _not_applied(info: CameraInfoMessage, topic: str) -> FrameRefused:
     return _invalid(
         topic,
-        f"has distortion model {info.distortion_model!r} with {len(info.d)} coefficients, of which "
-        f"only {' and '.join(APPLIED_MODELS)} (4, 5 or 8) are applied: publish rectified images "
-        "and set capture.rectified",
+        f"has distortion model {info.distortion_model!r} with {len(info.d)} coefficients; read are "
+        f"{' and '.join(APPLIED_MODELS)} with 4, 5, 8, 12 or 14 and equidistant with 4: publish "
+        "rectified images and set capture.rectified",
         ask_to_calibrate=False,
     )
 

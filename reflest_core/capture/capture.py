@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Protocol
@@ -53,8 +54,11 @@ class MessageSource(Protocol):
 class Capture:
     """Frames of one recording, with what was refused on the way.
 
-    ``frame_total`` is the number of colour images, None if unknown; ``frames_seen`` counts those
-    that were read so far, used or not.
+    Attributes:
+        name: The path as the user gave it.
+        settings: As they are used, with the depth unit of the capture.
+        frame_total: Number of colour images, None if unknown.
+        frames_seen: Colour images read so far, used or not.
     """
 
     def __init__(
@@ -63,11 +67,29 @@ class Capture:
         settings: CaptureSettings,
         on_refusal: RefusalListener | None = None,
         on_clock_jump: Callable[[str], None] = lambda _: None,
+        on_warning: Callable[[str], None] = lambda _: None,
     ) -> None:
-        if source.depth_scale is not None:
-            settings = replace(settings, depth_scale=source.depth_scale)
+        """Prepare to read; no image is read yet.
+
+        Args:
+            source: Where the messages come from.
+            settings: Matching, units and calibration; a unit that is set wins over the format's.
+            on_refusal: Called with each refusal and whether it is the first of its cause.
+            on_clock_jump: Called between two frames where stamps start again.
+            on_warning: Called with sentences on what is used though it may not be meant.
+        """
+        usual = source.depth_scale
+        settings = replace(settings, depth_scale=settings.depth_unit(usual))
+        if usual is not None and not math.isclose(settings.depth_scale, usual, rel_tol=1e-3):
+            on_warning(
+                f"capture.depth_scale {settings.depth_scale:g} m is used for {source.name}; "
+                f"captures of this format usually count {usual:g} m"
+            )
         self._source = source
-        self._assembler = FrameAssembler(settings, source.topics, on_refusal, on_clock_jump)
+        self._assembler = FrameAssembler(
+            settings, source.topics, on_refusal, on_clock_jump, on_warning
+        )
+        self.settings = settings
         self.name = source.name
         self.frame_total = source.rgb_total
         self.frames_seen = 0

@@ -15,6 +15,15 @@ from numpy.typing import NDArray
 ByteData: TypeAlias = "bytes | bytearray | memoryview | array.array[int] | NDArray[np.uint8]"
 
 
+def plain_frame(name: str) -> str:
+    """Return a frame's name without the leading slash of ROS 1.
+
+    Args:
+        name: As a message gives it.
+    """
+    return name.removeprefix("/")
+
+
 class Role(enum.Enum):
     """What a topic is used for; the value is its relative topic name in the node."""
 

@@ -30,6 +30,7 @@ def open_capture(
     pinhole: Pinhole | None = None,
     on_refusal: RefusalListener | None = None,
     on_clock_jump: Callable[[str], None] = lambda _: None,
+    on_warning: Callable[[str], None] = lambda _: None,
 ) -> Capture:
     """Return the capture at ``path``.
 
@@ -45,7 +46,7 @@ def open_capture(
         source = _open_source(path, topics, pinhole, settings.pose_source)
     except OSError as error:
         raise CaptureError(f"{path} cannot be read: {error.strerror}") from error
-    return Capture(source, settings, on_refusal, on_clock_jump)
+    return Capture(source, settings, on_refusal, on_clock_jump, on_warning)
 
 
 def _open_source(

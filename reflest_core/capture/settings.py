@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What a user can turn between the camera's topics and a frame."""
+"""Parameters between the camera's topics and a frame."""
 
 from __future__ import annotations
 
@@ -11,11 +11,14 @@ from reflest_core.parameter import ParameterError, check_parameters, parameter
 
 UNKNOWN_TRANSFORM = (0.0,) * 7
 SAME_FRAME = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+SMALLEST_SCALE = 1e-6
+USUAL_SCALE = 0.001
+ROTATED_SCALE = 0.0001
 
 
 @dataclass(frozen=True)
 class CaptureSettings:
-    """Matching in time, units and calibration."""
+    """Matching in time, units and calibration; each field describes itself."""
 
     slop: float = parameter(
         0.02,
@@ -55,14 +58,32 @@ class CaptureSettings:
         2000, "Poses that may wait for their image.", minimum=2, maximum=100000
     )
     depth_scale: float = parameter(
-        0.001,
-        "Metres in one unit of 16-bit depth; 32FC1 depth is in metres.",
+        0.0,
+        "Metres in one unit of 16-bit depth; 32FC1 depth is in metres. 0: as the format says (TUM "
+        "1/5000, ICL-NUIM 1/5000, ...), else 0.001; with depth_encoding rotated 0.0001.",
         unit="m",
-        minimum=1e-6,
+        minimum=0.0,
         maximum=1.0,
+    )
+    depth_kind: str = parameter(
+        "z",
+        "What a depth pixel measures: z, along the optical axis, or ray, the distance from the "
+        "camera centre, as some simulators give it.",
+        choices=("z", "ray"),
+    )
+    depth_encoding: str = parameter(
+        "plain",
+        "How 16-bit depth is stored: plain, or rotated, its three lowest bits moved to the top "
+        "(d >> 3 | d << 13), as in SUN RGB-D and the APC data sets.",
+        choices=("plain", "rotated"),
     )
     rectified: bool = parameter(
         False, "The images are rectified already: use camera_info's P and ignore its distortion."
+    )
+    rectified_by_name: bool = parameter(
+        True,
+        "Take images on a topic named image_rect... as rectified where camera_info has a P and "
+        "distortion. A warning says so.",
     )
     check_frame_ids: bool = parameter(
         True,
@@ -89,7 +110,7 @@ class CaptureSettings:
     pose_to_camera: tuple[float, ...] = parameter(
         SAME_FRAME,
         "The colour camera's optical frame in the frame whose pose is published: x, y, z in "
-        "metres, then quaternion x, y, z, w. Left as it is, tf may tell it.",
+        "metres, then quaternion x, y, z, w. Left as it is, it may come from tf.",
     )
     depth_to_rgb: tuple[float, ...] = parameter(
         UNKNOWN_TRANSFORM,
@@ -102,15 +123,31 @@ class CaptureSettings:
 
     def __post_init__(self) -> None:
         check_parameters(self)
+        if 0.0 < self.depth_scale < SMALLEST_SCALE:
+            raise ParameterError(
+                f"depth_scale = {self.depth_scale} m is neither 0 nor at least {SMALLEST_SCALE} m"
+            )
         matrix_of_parameter("pose_to_camera", self.pose_to_camera)
         if self.is_depth_to_rgb_set:
             matrix_of_parameter("depth_to_rgb", self.depth_to_rgb)
         if self.pose_source == "tf" and not self.world_frame.strip("/"):
             raise ParameterError("world_frame is empty: pose_source tf needs its name, as map")
 
+    def depth_unit(self, of_format: float | None = None) -> float:
+        """Return metres in one unit of 16-bit depth: as the user set it, else the format's own.
+
+        Args:
+            of_format: What the capture's format fixes, if it does.
+        """
+        if self.depth_scale > 0.0:
+            return self.depth_scale
+        if self.depth_encoding == "rotated":
+            return ROTATED_SCALE
+        return USUAL_SCALE if of_format is None else of_format
+
     @property
     def is_pose_to_camera_set(self) -> bool:
-        """Whether the user told where the camera stands in the frame whose pose comes."""
+        """Whether the user gave the camera's place in the frame whose pose is published."""
         return self.pose_to_camera != SAME_FRAME
 
     @property

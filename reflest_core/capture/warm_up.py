@@ -20,4 +20,4 @@ def warm_up() -> None:
     register_depth(np.ones((1, 1), np.float32), pixel, np.eye(4), pixel)
     decode_rvl(bytes(4), 1, 1)
     depth = ImageMessage(0, "", 1, 1, "16UC1", False, 2, bytes(2))
-    decode_depth(depth, "", CaptureSettings().depth_scale)
+    decode_depth(depth, "", CaptureSettings().depth_unit())

@@ -7,8 +7,10 @@ from __future__ import annotations
 import argparse
 import importlib
 import os
+import re
 import sys
 from collections.abc import Sequence
+from decimal import Decimal
 
 from reflest_core import __version__
 from reflest_core.errors import ReflestError
@@ -16,13 +18,14 @@ from reflest_core.errors import ReflestError
 COMMANDS = ("replay", "export", "synbrdf", "train", "evaluate")
 USER_ERROR = 2
 INTERRUPTED = 130  # as shells report SIGINT
+EXPONENT = re.compile(r"-(\d+\.?\d*|\.\d+)[eE][+-]?\d{1,2}")
 EXTRAS = {"torch": "training"}
 """Libraries that whole commands are built on, and the extra that brings them."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run ``reflest`` and return its exit code; 2 for an error that the user can mend."""
-    given = list(sys.argv[1:] if arguments is None else arguments)
+    given = [_without_exponent(word) for word in (sys.argv[1:] if arguments is None else arguments)]
     try:
         options = _parser(given).parse_args(given)
         code: int = options.run(options)
@@ -46,6 +49,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # The reader has gone (`reflest replay ... | head`); Python must not flush into it again.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
+
+
+def _without_exponent(word: str) -> str:
+    """Write a negative number out: argparse takes -1e-3 for an option, but not -0.001."""
+    return format(Decimal(word), "f") if EXPONENT.fullmatch(word) else word
 
 
 def _parser(given: Sequence[str]) -> argparse.ArgumentParser:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import replace
 
 from tqdm import tqdm
 
@@ -51,7 +52,9 @@ def replay(options: argparse.Namespace) -> None:
         pinhole,
         _warn_of_refusal,
         lambda _: scanner.restart_clock(),
+        lambda sentence: _say(f"warning: {sentence}"),
     )
+    settings = replace(settings, capture=capture.settings)
     scanner = Scanner(settings)
     result = ReplayResult()
     _scan(capture, scanner, result)

@@ -17,7 +17,8 @@ from reflest_core.capture.formats.mcap_file import McapFile
 from reflest_core.capture.formats.recorded_topics import CandidateTopic
 from reflest_core.capture.formats.sqlite_file import SqliteFile
 from reflest_core.capture.formats.topics import TopicChoice, choose_topics
-from reflest_core.capture.messages import Role, SensorMessage
+from reflest_core.capture.images.compressed_header import read_header
+from reflest_core.capture.messages import CompressedImageMessage, Role, SensorMessage
 from reflest_core.capture.refusal import CaptureError, FrameRefused, RefusalCause
 
 READERS_BY_SUFFIX: dict[str, Callable[[Path], BagFile]] = {".mcap": McapFile, ".db3": SqliteFile}
@@ -100,7 +101,9 @@ class Bag:
                 message = self._read(raw)
             except FrameRefused:
                 continue
-            return str(getattr(message, "encoding", getattr(message, "format", "")))
+            if isinstance(message, CompressedImageMessage):
+                return _packed_encoding(message)
+            return str(getattr(message, "encoding", ""))
         return ""
 
     def _opened(self, paths: list[Path]) -> list[BagFile]:
@@ -137,6 +140,15 @@ class Bag:
         if not paths:
             raise CaptureError(f"{folder} holds neither .mcap nor .db3 files")
         return paths
+
+
+def _packed_encoding(message: CompressedImageMessage) -> str:
+    """Return an image's format; a 16-bit png that does not name its encoding is depth's."""
+    names_it = message.format.startswith(("16UC1", "mono16", "32FC1"))
+    header = read_header(bytes(message.data)) if not names_it else None
+    if header is not None and header.bit_depth == 16 and header.channels == 1:
+        return f"16UC1; {message.format}"
+    return message.format
 
 
 def _by_number(name: str) -> list[tuple[bool, int, str]]:

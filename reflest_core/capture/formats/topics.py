@@ -35,7 +35,7 @@ TYPES = {
 }
 ENCODINGS = {
     Role.RGB: (*COLOUR_ENCODINGS, "jpeg", "png"),
-    Role.DEPTH: (*DEPTH_ENCODINGS, "compressedDepth"),
+    Role.DEPTH: (*DEPTH_ENCODINGS, "compressedDepth", "16-bit png"),
     Role.MASK: (*MASK_ENCODINGS, "png"),
 }
 
@@ -138,12 +138,14 @@ def _fits(topic: CandidateTopic, role: Role) -> bool:
         return False
     if role not in ENCODINGS:
         return True
-    is_depth = topic.encoding in DEPTH_ENCODINGS or "compressedDepth" in topic.encoding
+    # "16UC1; png compressed" and "32FC1; compressedDepth rvl" begin with the image's encoding.
+    encoding = topic.encoding.split(";")[0].strip()
+    is_depth = encoding in DEPTH_ENCODINGS or "compressedDepth" in topic.encoding
     if role is Role.DEPTH:
-        return is_depth
+        # Infrared is mono16, too.
+        return is_depth and (encoding != "mono16" or "depth" in topic.name.lower())
     if topic.message_type == COMPRESSED_IMAGE:
-        is_packed_depth = topic.encoding.startswith(tuple(DEPTH_ENCODINGS))
-        return not is_depth and not is_packed_depth and topic.encoding != ""
+        return not is_depth and topic.encoding != ""
     return topic.encoding in COLOUR_ENCODINGS
 
 

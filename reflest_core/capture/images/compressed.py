@@ -19,6 +19,7 @@ MOST_PIXELS = 2**26  # a larger one is refused before it is unpacked into memory
 # compressedDepth's ConfigHeader: int32 format, then float32 a and b with depth = a / (value - b).
 DEPTH_HEADER = struct.Struct("<iff")
 RVL_SIZE = struct.Struct("<II")  # columns, rows
+PEEKED = 4096  # bytes in which a header mostly stands
 
 
 def decode_compressed_colour(message: CompressedImageMessage, topic: str) -> NDArray[np.uint8]:
@@ -58,6 +59,23 @@ def decode_compressed_depth(
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         metres = np.float32(a) / (units.astype(np.float32) - np.float32(b))
     return np.where(units == 0, np.float32(0.0), metres)
+
+
+def packed_size(message: CompressedImageMessage) -> tuple[int, int] | None:
+    """Return width and height from a compressed image's header, without unpacking it.
+
+    Args:
+        message: Any compressed image.
+
+    Returns:
+        The size in pixels, or None where the header cannot be read.
+    """
+    start = DEPTH_HEADER.size if "compressedDepth" in message.format else 0
+    data = np.frombuffer(message.data, np.uint8)[start:]
+    if message.format.endswith("compressedDepth rvl"):
+        return RVL_SIZE.unpack_from(data.tobytes()) if len(data) >= RVL_SIZE.size else None
+    header = read_header(data[:PEEKED].tobytes()) or read_header(data.tobytes())
+    return (header.width, header.height) if header else None
 
 
 def _png_units(data: bytes, message: CompressedImageMessage, topic: str) -> NDArray[np.uint16]:

@@ -44,7 +44,7 @@ def _read_png(data: bytes) -> CompressedHeader | None:
     channels = PNG_CHANNELS.get(colour_type, 0)
     if bit_depth < 8:  # one to four bits of palette or grey unpack to eight
         bit_depth = 8
-    return CompressedHeader("png", width, height, bit_depth, channels, b"IEND" in data[-64:])
+    return CompressedHeader("png", width, height, bit_depth, channels, b"IEND" in data[26:])
 
 
 def _read_jpeg(data: bytes) -> CompressedHeader | None:
@@ -58,7 +58,8 @@ def _read_jpeg(data: bytes) -> CompressedHeader | None:
             continue
         if marker in START_OF_FRAME:
             bit_depth, height, width, channels = struct.unpack_from(">BHHB", data, position + 4)
-            is_complete = JPEG_END in data[-64:]
+            # Not before here, where a thumbnail may end; what follows the end is padding.
+            is_complete = data.rfind(JPEG_END, position) >= 0
             return CompressedHeader("jpeg", width, height, bit_depth, channels, is_complete)
         position += 2 + int(struct.unpack_from(">H", data, position + 2)[0])
     return None

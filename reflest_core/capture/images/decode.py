@@ -30,8 +30,16 @@ COLOUR_ENCODINGS: dict[str, tuple[int, int | None]] = {
     "rgba8": (4, cv2.COLOR_RGBA2RGB),
     "bgra8": (4, cv2.COLOR_BGRA2RGB),
     "mono8": (1, cv2.COLOR_GRAY2RGB),
+    "bayer_rggb8": (1, cv2.COLOR_BayerRGGB2RGB),
+    "bayer_bggr8": (1, cv2.COLOR_BayerBGGR2RGB),
+    "bayer_gbrg8": (1, cv2.COLOR_BayerGBRG2RGB),
+    "bayer_grbg8": (1, cv2.COLOR_BayerGRBG2RGB),
+    "yuv422": (2, cv2.COLOR_YUV2RGB_UYVY),
+    "uyvy": (2, cv2.COLOR_YUV2RGB_UYVY),
+    "yuv422_yuy2": (2, cv2.COLOR_YUV2RGB_YUYV),
+    "yuyv": (2, cv2.COLOR_YUV2RGB_YUYV),
 }
-DEPTH_ENCODINGS = {"16UC1": np.uint16, "32FC1": np.float32}
+DEPTH_ENCODINGS = {"16UC1": np.uint16, "32FC1": np.float32, "mono16": np.uint16}
 MASK_ENCODINGS = ("mono8", "8UC1")
 SATURATED = 65535  # in 16-bit depth: "further than I can count", or Kinect's "unknown"
 
@@ -51,23 +59,40 @@ def decode_colour(message: AnyImage, topic: str) -> NDArray[np.uint8]:
     pixels = rows.reshape(message.height, message.width, pixel_bytes)
     if conversion is None:
         return pixels.copy()
-    return np.asarray(cv2.cvtColor(pixels, conversion), np.uint8)
+    if pixel_bytes == 2 and message.width % 2:
+        raise FrameRefused(
+            RefusalCause.SIZE,
+            f"{topic}: {message.encoding} needs an even width, not {message.width}: check the "
+            "camera driver's image message",
+        )
+    return np.asarray(cv2.cvtColor(np.ascontiguousarray(pixels), conversion), np.uint8)
 
 
-def decode_depth(message: AnyImage, topic: str, depth_scale: float) -> NDArray[np.float32]:
-    """Return (H, W) float32 in metres; 0 where depth is NaN, infinite, not positive or saturated.
+def decode_depth(
+    message: AnyImage, topic: str, depth_scale: float, is_rotated: bool = False
+) -> NDArray[np.float32]:
+    """Return depth in metres.
+
+    Args:
+        message: A depth image.
+        topic: Its topic, for sentences.
+        depth_scale: Metres in one unit of 16-bit depth.
+        is_rotated: The three lowest bits of 16-bit depth stand at the top.
+
+    Returns:
+        (H, W) float32 metres; 0 where depth is NaN, infinite, not positive or saturated.
 
     Raises:
         FrameRefused: ENCODING, SIZE or TRUNCATED.
     """
     if isinstance(message, CompressedImageMessage):
-        return _metres(decode_compressed_depth(message, topic), depth_scale)
+        return _metres(decode_compressed_depth(message, topic), depth_scale, is_rotated)
     if message.encoding not in DEPTH_ENCODINGS:
         raise _unsupported(message.encoding, topic, DEPTH_ENCODINGS, "depth", "--depth-topic")
     native = np.dtype(DEPTH_ENCODINGS[message.encoding])
     rows = _pixel_rows(message, native.itemsize, topic)
     sent = native.newbyteorder(">" if message.is_bigendian else "<")
-    return _metres(np.ascontiguousarray(rows).view(sent).astype(native), depth_scale)
+    return _metres(np.ascontiguousarray(rows).view(sent).astype(native), depth_scale, is_rotated)
 
 
 def decode_mask(message: AnyImage, topic: str) -> NDArray[np.bool_]:
@@ -114,16 +139,19 @@ def _pixel_rows(message: ImageMessage, pixel_bytes: int, topic: str) -> NDArray[
 
 
 @functools.lru_cache(maxsize=4)
-def _metres_by_unit(depth_scale: float) -> NDArray[np.float32]:
+def _metres_by_unit(depth_scale: float, is_rotated: bool) -> NDArray[np.float32]:
+    units = np.arange(SATURATED + 1)
+    if is_rotated:
+        units = (units >> 3) | ((units << 13) & SATURATED)
     # Multiplied in double precision, so that 16UC1 equals a 32FC1 image of the same metres.
-    table = (np.arange(SATURATED + 1) * depth_scale).astype(np.float32)
+    table = (units * depth_scale).astype(np.float32)
     table[SATURATED] = 0.0
     return table
 
 
 def _metres(
-    raw: NDArray[np.uint16] | NDArray[np.float32], depth_scale: float
+    raw: NDArray[np.uint16] | NDArray[np.float32], depth_scale: float, is_rotated: bool
 ) -> NDArray[np.float32]:
     if raw.dtype == np.uint16:
-        return _metres_by_unit(depth_scale).take(np.asarray(raw, np.uint16))
+        return _metres_by_unit(depth_scale, is_rotated).take(np.asarray(raw, np.uint16))
     return np.where(np.isfinite(raw) & (raw > 0.0), raw, 0.0).astype(np.float32)

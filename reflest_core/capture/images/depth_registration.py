@@ -42,6 +42,21 @@ def register_depth(
     return registered
 
 
+def along_axis(depth: NDArray[np.float32], camera: CameraIntrinsics) -> NDArray[np.float32]:
+    """Turn distances from the camera centre into depth.
+
+    Args:
+        depth: (H, W) metres along each pixel's ray.
+        camera: The rectified camera.
+
+    Returns:
+        (H, W) float32 metres along the optical axis.
+    """
+    rows, columns = np.ogrid[: camera.height, : camera.width]
+    across, down = (columns - camera.cx) / camera.fx, (rows - camera.cy) / camera.fy
+    return (depth / np.sqrt(1.0 + across**2 + down**2)).astype(np.float32)
+
+
 @compiled
 def _splat(
     depth: NDArray[np.float32],

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.capture.messages import Match, Role
+from reflest_core.capture.messages import Match, Role, plain_frame
 from reflest_core.capture.pose import matrix_of_parameter, pose_at
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.capture.settings import CaptureSettings
@@ -47,7 +47,7 @@ class CameraPoses:
 
     def _child_to(self, match: Match) -> NDArray[np.float64]:
         child, camera = match.pose_before.child_frame_id, match.rgb.frame_id
-        is_same = not child or child.removeprefix("/") == camera.removeprefix("/")
+        is_same = not child or plain_frame(child) == plain_frame(camera)
         if is_same or self._is_child_set or not self._settings.check_frame_ids:
             return self._child_to_camera
         try:
@@ -61,7 +61,7 @@ class CameraPoses:
 
     def _checked_world(self, match: Match) -> str:
         world = self._world_frame
-        for named in (match.pose_before.frame_id, match.pose_after.frame_id):
+        for named in map(plain_frame, (match.pose_before.frame_id, match.pose_after.frame_id)):
             world = world or named
             if self._settings.check_frame_ids and named and named != world:
                 raise FrameRefused(

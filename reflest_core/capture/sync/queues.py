@@ -41,6 +41,11 @@ class StampedQueue(Generic[T]):
         """The oldest waiting message."""
         return self._messages[0]
 
+    @property
+    def newest(self) -> T:
+        """The newest waiting message."""
+        return self._messages[-1]
+
     def has_reached(self, stamp_ns: int) -> bool:
         """Whether a message at or after ``stamp_ns`` was ever pushed."""
         return self.latest is not None and self.latest >= stamp_ns

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.capture.messages import PoseMessage, TransformsMessage
+from reflest_core.capture.messages import PoseMessage, TransformsMessage, plain_frame
 from reflest_core.capture.pose import check_pose, quaternion_of
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.capture.sync.transform_track import TransformTrack
@@ -76,6 +76,8 @@ class TransformBuffer:
     def _add(self, transform: PoseMessage, is_static: bool, topic: str) -> None:
         child = transform.child_frame_id
         known = self._tracks.get(child)
+        if known and known.is_static and not is_static and known.is_at(transform):
+            return  # a static transform that is also published slowly
         if known and known.parent == transform.frame_id and known.is_static == is_static:
             known.add(transform)
         elif known or len(self._tracks) < MOST_FRAMES:
@@ -85,7 +87,7 @@ class TransformBuffer:
 
     def _ancestry(self, frame: str) -> list[str]:
         """``frame``, its parent, and so on to the root."""
-        chain = [_plain(frame)]
+        chain = [plain_frame(frame)]
         while (track := self._tracks.get(chain[-1])) and track.parent not in chain:
             chain.append(track.parent)
         return chain
@@ -116,7 +118,7 @@ class TransformBuffer:
 
 
 def _checked(transform: PoseMessage, topic: str) -> PoseMessage:
-    parent, child = _plain(transform.frame_id), _plain(transform.child_frame_id)
+    parent, child = plain_frame(transform.frame_id), plain_frame(transform.child_frame_id)
     if not parent or not child or parent == child:
         raise _invalid(topic, f"the transform of {child!r} in {parent!r} joins no two frames")
     try:
@@ -124,11 +126,6 @@ def _checked(transform: PoseMessage, topic: str) -> PoseMessage:
     except FrameRefused as refusal:
         raise FrameRefused(RefusalCause.TRANSFORM_INVALID, str(refusal)) from refusal
     return replace(transform, frame_id=parent, child_frame_id=child)
-
-
-def _plain(frame: str) -> str:
-    """Without the leading slash of ROS 1."""
-    return frame.removeprefix("/")
 
 
 def _invalid(topic: str, why: str) -> FrameRefused:

@@ -14,6 +14,7 @@ from reflest_core.capture.sync.queues import StampedQueue
 
 HISTORY_NS = 10 * 10**9  # as long as tf2 keeps it
 MOST_SAMPLES = 10_000
+SAME = 1e-6  # metres, and parts of a quaternion
 
 
 class TransformTrack:
@@ -38,6 +39,11 @@ class TransformTrack:
         queue.forget_before(stamp_ns - HISTORY_NS)
         if len(queue) > MOST_SAMPLES:
             queue.pop_oldest()
+
+    def is_at(self, transform: PoseMessage) -> bool:
+        """Whether a transform is the last one again, in the same parent, but for rounding."""
+        last = self._queue.newest
+        return transform.frame_id == self.parent and _is_same(last, transform)
 
     def has_reached(self, stamp_ns: int) -> bool:
         """Whether no later message can change the pose at the stamp."""
@@ -79,3 +85,10 @@ class TransformTrack:
             RefusalCause.TRANSFORM_MISSING,
             f"no transform from {child!r} to {self.parent!r} at {stamp_ns / 1e9:.3f} s: {why}",
         )
+
+
+def _is_same(one: PoseMessage, other: PoseMessage) -> bool:
+    """Whether two poses are equal but for rounding; q and -q are one rotation."""
+    shift = max(abs(a - b) for a, b in zip(one.position, other.position, strict=True))
+    cosine = sum(a * b for a, b in zip(one.orientation, other.orientation, strict=True))
+    return shift < SAME and abs(cosine) > 1.0 - SAME

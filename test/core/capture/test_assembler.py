@@ -73,10 +73,10 @@ def test_32fc1_and_16uc1_give_the_very_same_frames():
 
 NAN = math.nan
 BAD = [
-    (Role.RGB, {"encoding": "bayer_rggb8"}, "encoding", "bayer_rggb8"),
+    (Role.RGB, {"encoding": "bayer_rggb16"}, "encoding", "bayer_rggb16"),
     (Role.RGB, {"data": b"\1"}, "truncated", "1 of"),
     (Role.RGB, {"width": WIDTH - 1}, "size", f"{WIDTH - 1} x {HEIGHT}"),
-    (Role.DEPTH, {"encoding": "mono16"}, "encoding", "mono16"),
+    (Role.DEPTH, {"encoding": "8UC1"}, "encoding", "8UC1"),
     (
         Role.DEPTH,
         {"height": HEIGHT - 2, "data": bytes(2 * WIDTH * (HEIGHT - 2))},
@@ -111,7 +111,7 @@ def test_every_refusal_reaches_the_listener_and_the_first_is_marked():
     for recorded in recording(3):
         message = recorded.message
         if recorded.role is Role.RGB:
-            message = replace(message, encoding="yuv422")
+            message = replace(message, encoding="rgb16")
         assembler.add(recorded.role, message)
     assert heard == [(RefusalCause.ENCODING, True)] + [(RefusalCause.ENCODING, False)] * 2
 

@@ -11,7 +11,7 @@ from reflest_core.capture.settings import CaptureSettings
 from reflest_core.capture.warm_up import warm_up
 warm_up()
 before = decode._metres_by_unit.cache_info()
-decode._metres_by_unit(CaptureSettings().depth_scale)
+decode._metres_by_unit(CaptureSettings().depth_unit(), False)
 after = decode._metres_by_unit.cache_info()
 assert (after.misses, after.hits) == (before.misses, before.hits + 1)
 """

@@ -93,8 +93,8 @@ def test_a_missing_topic_is_named_with_what_there_is(absent, words):
 
 
 def test_an_encoding_that_is_not_read_is_shown():
-    bayer = CandidateTopic("/cam/bayer", IMAGE, "bayer_rggb8")
-    with pytest.raises(CaptureError, match=r"/cam/bayer \(Image, bayer_rggb8\)"):
+    bayer = CandidateTopic("/cam/bayer", IMAGE, "bayer_rggb16")
+    with pytest.raises(CaptureError, match=r"/cam/bayer \(Image, bayer_rggb16\)"):
         choose([*ALL[:-1], bayer])
 
 

@@ -95,9 +95,9 @@ def test_mask_is_true_where_it_is_not_zero():
 @pytest.mark.parametrize(
     ("decode", "encoding", "named"),
     [
-        (lambda m: decode_colour(m, "/topic"), "bayer_rggb8", ["bayer_rggb8", "rgb8", "mono8"]),
+        (lambda m: decode_colour(m, "/topic"), "bayer_rggb16", ["bayer_rggb16", "rgb8", "mono8"]),
         (lambda m: decode_colour(m, "/topic"), "16UC1", ["16UC1", "--rgb-topic"]),
-        (lambda m: decode_depth(m, "/topic", 0.001), "mono16", ["mono16", "16UC1", "32FC1"]),
+        (lambda m: decode_depth(m, "/topic", 0.001), "8UC1", ["8UC1", "16UC1", "32FC1"]),
         (lambda m: decode_mask(m, "/topic"), "rgb8", ["rgb8", "mono8", "--mask-topic"]),
     ],
 )
