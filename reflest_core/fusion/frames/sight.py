@@ -64,6 +64,10 @@ class KnownSurface:
         return bool((inside & (v > -down) & (v < camera.height + down)).any())
 
 
+FURTHEST_LIKELY, NEAREST_LIKELY = 50.0, 0.02
+"""Median depths, metres, beyond which the unit is taken to be wrong."""
+
+
 def refusal_without_surface(
     frame: Frame, region: Region, settings: FusionSettings, work_radius: float
 ) -> FrameRefused:
@@ -97,9 +101,29 @@ def refusal_without_surface(
             f"no depth {within} lies within {work_radius:.2g} m of the scan's centre: move back to "
             "what was scanned first, raise work_radius or reset the scan"
         )
+    elif _shows_depth(frame, settings.max_depth):
+        sentence = (
+            f"no depth {within} is free of depth edges: lower fusion.depth_edge_margin, or see "
+            "that depth is dense where the surface is"
+        )
     else:
         sentence = f"no depth lies {within}: raise max_depth or move closer"
-    return FrameRefused(RefusalCause.NO_OVERLAP, sentence)
+    return FrameRefused(RefusalCause.NO_OVERLAP, f"{sentence}; {_depth_seen(frame)}")
+
+
+def _depth_seen(frame: Frame) -> str:
+    """Say what depth there is, and where its unit cannot be right, which is likely."""
+    valid = frame.depth[np.isfinite(frame.depth) & (frame.depth > 0.0)]
+    least, median, most = (float(value) for value in np.quantile(valid, (0.0, 0.5, 1.0)))
+    seen = f"depth is {least:.3g} to {most:.3g} m, its median {median:.3g} m"
+    if median > FURTHEST_LIKELY:
+        return (
+            f"{seen}: it seems to be in millimetres, which 16UC1 is for; 32FC1 is in metres, and "
+            "capture.depth_scale is the unit of 16-bit depth"
+        )
+    if median < NEAREST_LIKELY:
+        return f"{seen}: check its unit (capture.depth_scale)"
+    return seen
 
 
 def _shows_depth(frame: Frame, max_depth: float) -> bool:

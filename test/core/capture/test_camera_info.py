@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reflest_core.capture.camera_info import check_camera_info
-from reflest_core.capture.images.rectify import Rectifier
+from reflest_core.capture.images.rectify import CheckedCamera, Rectifier
 from reflest_core.capture.messages import CameraInfoMessage
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.capture.settings import CaptureSettings
@@ -20,6 +20,7 @@ from reflest_core.capture.settings import CaptureSettings
 SETTINGS = CaptureSettings()
 K = (500.0, 0.0, 320.0, 0.0, 510.0, 240.0, 0.0, 0.0, 1.0)
 INFO = CameraInfoMessage(0, "camera", 640, 480, K)
+RATIONAL = (0.5, -2.5, 0.001, 0.0003, 1.5, 0.4, -2.3, 1.4)
 PLUMB_BOB = (-0.3, 0.1, 0.001, -0.002, 0.0)
 
 
@@ -78,7 +79,11 @@ def test_zero_coefficients_are_no_distortion(model):
     ("model", "coefficients"),
     [
         ("plumb_bob", PLUMB_BOB),
-        ("rational_polynomial", (0.5, -2.5, 0.001, 0.0003, 1.5, 0.4, -2.3, 1.4)),
+        ("rational_polynomial", RATIONAL),
+        ("rational_polynomial", (*RATIONAL, 1e-3, -2e-4, 5e-4, 1e-4)),
+        ("rational_polynomial", (*RATIONAL, 1e-3, -2e-4, 5e-4, 1e-4, 0.004, -0.003)),
+        ("equidistant", (-0.02, 0.01, -0.004, 0.0005)),
+        ("fisheye", (0.0, 0.0, 0.0, 0.0)),
     ],
 )
 def test_rectifying_undoes_the_distortion(model, coefficients):
@@ -87,9 +92,11 @@ def test_rectifying_undoes_the_distortion(model, coefficients):
     camera = check_camera_info(info, "/info", SETTINGS)
     points = np.array([[x, y, 1.0] for x in (-0.4, 0.0, 0.35) for y in (-0.3, 0.0, 0.3)])
     matrix = camera.intrinsics.matrix
-    distorted, _ = cv2.projectPoints(
-        points, np.zeros(3), np.zeros(3), matrix, np.array(coefficients)
+    project = cv2.fisheye.projectPoints if camera.is_fisheye else cv2.projectPoints
+    distorted, _ = project(
+        points[:, None], np.zeros(3), np.zeros(3), matrix, np.array(coefficients)
     )
+    distorted = distorted.reshape(-1, 1, 2)
     depth = np.zeros((480, 640), np.float32)
     rgb = np.zeros((480, 640, 3), np.uint8)
     for number, (x, y) in enumerate(distorted[:, 0], start=1):
@@ -136,3 +143,37 @@ def test_any_info_gives_a_usable_camera_or_a_refusal(info, rectified):
     assert values.fx > 0
     assert values.fy > 0
     assert np.isfinite(camera.distortion).all()
+
+
+P = (400.0, 0.0, 300.0, 0.0, 0.0, 410.0, 200.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+
+
+def camera_on(image_topic, **fields):
+    """The camera of images on a topic, whether it rectifies them, and what is warned of."""
+    heard = []
+    info = replace(INFO, d=PLUMB_BOB, distortion_model="plumb_bob", **{"p": P, **fields})
+    checked = CheckedCamera("/info", image_topic, SETTINGS, heard.append)
+    cameras = [checked.of(replace(info, stamp_ns=stamp)) for stamp in (0, 1)]
+    return cameras[0][0], cameras[0][1] is not None, heard
+
+
+@pytest.mark.parametrize("name", ["/camera/image_rect", "/c/image_rect_color/compressed"])
+def test_images_on_a_topic_named_image_rect_are_rectified_and_that_is_said_once(name):
+    camera, is_rectified_here, heard = camera_on(name)
+    assert camera.intrinsics.fx == 400.0
+    assert not is_rectified_here
+    assert len(heard) == 1
+    assert "capture.rectified" in heard[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "fields"),
+    [
+        ("/camera/image_raw", {}),
+        ("/camera/image_rect", {"p": (0.0,) * 12}),
+        ("/camera/image_rect", {"p": ()}),
+    ],
+)
+def test_without_the_name_or_a_valid_p_distortion_is_taken_out(name, fields):
+    camera, is_rectified_here, heard = camera_on(name, **fields)
+    assert (camera.intrinsics.fx, is_rectified_here, heard) == (500.0, True, [])

@@ -284,3 +284,9 @@ def test_a_bag_with_tf_gives_the_same_estimates(replay, bag, tmp_path):
     for name in ("rho_s", "alpha", "voxel_count", "observation_count"):
         assert record["final"][name] == pytest.approx(expected[name], rel=1e-4)
     assert record["settings"]["capture"]["pose_source"] == "tf"
+
+
+@pytest.mark.parametrize("x", ["-1e-3", "-.1E-2", "-0.001", "-1.0e-03"])
+def test_a_negative_option_may_have_an_exponent(replay, bag, x):
+    record = replay(bag, "--roi-sphere", x, 0, "1e-3", 0.2)[3]
+    assert record["settings"]["region"]["centre"] == [-0.001, 0, 0.001]

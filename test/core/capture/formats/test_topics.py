@@ -163,3 +163,27 @@ def test_of_an_image_and_its_compressed_copies_the_best_is_taken():
     assert (packed_alone[Role.RGB], packed_alone[Role.DEPTH]) == (packed_rgb.name, rvl.name)
     named = choose([*ALL, packed_rgb], rgb=packed_rgb.name)
     assert named[Role.RGB] == packed_rgb.name
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "encoding"),
+    [
+        ("/cam/x/compressed", COMPRESSED_IMAGE, "16UC1; png compressed "),
+        ("/cam/depth/compressed", COMPRESSED_IMAGE, "mono16; png compressed "),
+        ("/cam/depth/image_raw", IMAGE, "mono16"),
+    ],
+)
+def test_16_bit_depth_is_found_by_format_or_by_its_topics_name(name, kind, encoding):
+    candidates = [OTHER, POSE, INFO, RGB, CandidateTopic(name, kind, encoding)]
+    assert choose(candidates)[Role.DEPTH] == name
+
+
+def test_16_bit_infrared_is_no_depth():
+    infrared = CandidateTopic("/cam/infra/image", IMAGE, "mono16")
+    assert choose([*ALL, infrared])[Role.DEPTH] == DEPTH.name
+
+
+@pytest.mark.parametrize("encoding", ["bayer_grbg8", "yuv422", "yuv422_yuy2"])
+def test_raw_sensor_colours_are_colour(encoding):
+    raw = CandidateTopic("/cam/image_raw", IMAGE, encoding)
+    assert choose([*ALL[:-1], raw])[Role.RGB] == raw.name

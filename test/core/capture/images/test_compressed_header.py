@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from reflest_core.capture.images.compressed_header import read_header
+from reflest_core.capture.images.decode import decode_colour
+from reflest_core.capture.messages import CompressedImageMessage
 
 HEIGHT, WIDTH = 30, 40
 
@@ -25,3 +27,22 @@ def test_a_cut_off_image_is_known_by_its_size_or_not_at_all(suffix, kind):
         assert (header.width, header.height, header.channels) == (WIDTH, HEIGHT, 3)
     assert not headers[first].is_complete
     assert all(header is None for header in headers[:first])
+
+
+@pytest.mark.parametrize("suffix", [".jpg", ".png"])
+@pytest.mark.parametrize("padding", [bytes(512), b"\xff" * 70, bytes(range(256)) * 8])
+def test_padding_after_the_end_is_no_damage(suffix, padding):
+    """Drivers hand over MJPEG buffers of fixed size."""
+    image = np.full((HEIGHT, WIDTH, 3), 90, np.uint8)
+    data = cv2.imencode(suffix, image)[1].tobytes() + padding
+    assert read_header(data).is_complete
+    message = CompressedImageMessage(0, "camera", suffix, data)
+    assert np.abs(decode_colour(message, "/c").astype(int) - 90).max() <= 1
+
+
+def test_the_end_of_a_thumbnail_is_not_the_images_end():
+    whole = cv2.imencode(".jpg", np.full((HEIGHT, WIDTH, 3), 90, np.uint8))[1].tobytes()
+    thumbnail = b"\xff\xe1" + (2 + 6 + len(whole)).to_bytes(2, "big") + b"Exif\0\0" + whole
+    with_thumbnail = whole[:2] + thumbnail + whole[2:]
+    assert read_header(with_thumbnail).is_complete
+    assert not read_header(with_thumbnail[:-20]).is_complete

@@ -53,6 +53,47 @@ def test_colour_encodings_give_the_same_rgb(encoding, pixels, step):
     assert np.array_equal(decode_colour(message(pixels, encoding, step), "/c"), RGB)
 
 
+RED_PATCH = np.tile(np.array([200, 90, 30], np.uint8), (8, 8, 1))
+
+
+@pytest.mark.parametrize("pattern", ["rggb", "bggr", "gbrg", "grbg"])
+def test_bayer_patterns_give_red_green_and_blue(pattern):
+    raw = np.empty((8, 8), np.uint8)
+    for place, name in enumerate(pattern):
+        raw[place // 2 :: 2, place % 2 :: 2] = RED_PATCH[0, 0, "rgb".index(name)]
+    decoded = decode_colour(message(raw, f"bayer_{pattern}8"), "/c")
+    assert np.array_equal(decoded, RED_PATCH)
+
+
+@pytest.mark.parametrize(
+    ("encoding", "order"), [("yuv422", "uyvy"), ("uyvy", "uyvy"), ("yuv422_yuy2", "yuyv")]
+)
+def test_yuv422_gives_red_green_and_blue(encoding, order):
+    luma, u, v = cv2.cvtColor(RED_PATCH, cv2.COLOR_RGB2YUV_I420).ravel()[[0, 64, 80]]
+    pairs = {"uyvy": (u, luma, v, luma), "yuyv": (luma, u, luma, v)}[order]
+    raw = np.tile(np.array(pairs, np.uint8), (8, 4)).reshape(8, 8, 2)
+    decoded = decode_colour(message(raw, encoding), "/c")
+    assert np.abs(decoded.astype(int) - RED_PATCH).max() <= 3
+
+
+def test_yuv422_of_an_odd_width_is_refused():
+    with pytest.raises(FrameRefused, match="even width"):
+        decode_colour(message(np.zeros((2, 3, 2), np.uint8), "yuv422"), "/c")
+
+
+def test_mono16_is_depth_where_the_topic_is_chosen_as_depth():
+    same = decode_depth(message(MILLIMETRES, "16UC1"), "/d", 0.001)
+    assert np.array_equal(decode_depth(message(MILLIMETRES, "mono16"), "/d", 0.001), same)
+
+
+def test_rotated_bits_are_turned_back():
+    """SUN RGB-D and APC store d << 3 | d >> 13."""
+    units = np.array([[0, 1, 4440], [8191, 8192, 12345]], np.uint16)
+    stored = (units << 3) | (units >> 13)
+    depth = decode_depth(message(stored, "16UC1"), "/d", 0.0001, is_rotated=True)
+    np.testing.assert_allclose(depth, units * 0.0001, rtol=1e-6)
+
+
 def test_grey_is_repeated_into_three_channels():
     decoded = decode_colour(message(RGB[:, :, 0], "mono8"), "/c")
     assert np.array_equal(decoded, np.repeat(RGB[:, :, :1], 3, axis=2))

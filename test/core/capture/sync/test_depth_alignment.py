@@ -139,3 +139,63 @@ def test_where_frames_are_not_compared_depth_is_taken_as_it_is():
     frames, refusals = assemble(unregistered(), check_frame_ids=False)
     assert len(frames) == 4
     assert not refusals.counts
+
+
+def half_sized(messages):
+    """Depth of half the size, in the same frame as colour."""
+    halved = []
+    for one in messages:
+        if one.role is Role.DEPTH:
+            pixels = np.frombuffer(one.message.data, "<u2").reshape(HEIGHT, WIDTH)[::2, ::2]
+            fields = {"height": HEIGHT // 2, "width": WIDTH // 2, "step": WIDTH}
+            one = Recorded(one.role, replace(one.message, **fields, data=pixels.tobytes()))
+        halved.append(one)
+    return halved
+
+
+HALF = (50.0, 0.0, WIDTH / 4, 0.0, 50.0, HEIGHT / 4, 0.0, 0.0, 1.0)
+
+
+@pytest.mark.parametrize("is_late", [True, False])
+def test_depth_of_another_size_in_colours_frame_is_registered_by_its_own_info(is_late):
+    info = Recorded(
+        Role.DEPTH_INFO, replace(info_message(0), width=WIDTH // 2, height=HEIGHT // 2, k=HALF)
+    )
+    messages = half_sized(recording(4))
+    frames, refusals = assemble([*messages, info] if is_late else [info, *messages])
+    assert not refusals.counts
+    assert len(frames) == 4
+    inner = np.abs(frames[0].depth - depth_of(0))[2:-2, 2:-2]
+    assert np.median(inner) < 0.005
+
+
+def test_depth_of_another_size_without_its_info_is_refused_naming_the_topic():
+    cause, sentence = refused(half_sized(recording(4)))
+    assert cause == "size"
+    assert TOPICS[Role.DEPTH_INFO] in sentence
+
+
+def test_a_leading_slash_makes_no_other_frame():
+    slashed = [
+        Recorded(one.role, replace(one.message, frame_id=f"/{one.message.frame_id}"))
+        if one.role in (Role.DEPTH, Role.CAMERA_INFO)
+        else one
+        for one in recording(4)
+    ]
+    frames, refusals = assemble(slashed)
+    assert not refusals.counts
+    assert len(frames) == 4
+
+
+def test_lengths_along_the_rays_become_depth():
+    rows, columns = np.mgrid[:HEIGHT, :WIDTH]
+    length = np.sqrt(1 + ((columns - WIDTH / 2) / 100) ** 2 + ((rows - HEIGHT / 2) / 100) ** 2)
+    rays = []
+    for one in recording(2):
+        if one.role is Role.DEPTH:
+            pixels = np.frombuffer(one.message.data, "<u2").reshape(HEIGHT, WIDTH) * length
+            data = pixels.round().astype("<u2").tobytes()
+            one = Recorded(one.role, replace(one.message, data=data))
+        rays.append(one)
+    frames, _ = assemble(rays, depth_kind="ray")
+    assert np.abs(frames[1].depth - depth_of(1)).max() < 0.002

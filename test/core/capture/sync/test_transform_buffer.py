@@ -3,6 +3,7 @@
 """tf without tf2: chains, interpolation and refusals; nothing unknown becomes the identity."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -221,3 +222,20 @@ def test_any_transforms_give_a_rigid_matrix_or_a_refusal(messages, target, sourc
         return
     assert np.allclose(matrix[:3, :3] @ matrix[:3, :3].T, np.eye(3), atol=1e-6)
     assert np.isfinite(matrix).all()
+
+
+def test_a_static_transform_that_is_also_published_slowly_stays_usable():
+    buffer = buffer_of(transform("base", "camera", 1.0), static=[transform("base", "camera")])
+    buffer.add(TransformsMessage((transform("base", "camera", 3.0),)), False, "/tf")
+    assert buffer.has_reached("base", "camera", 99 * S)
+    assert np.array_equal(
+        buffer.matrix("base", "camera", 2 * S), buffer.matrix("base", "camera", 50 * S)
+    )
+
+
+def test_a_frame_that_moves_away_from_its_static_place_moves():
+    buffer = buffer_of(static=[transform("base", "camera")])
+    moved = replace(transform("base", "camera", 3.0), position=(1.0, 0.0, 0.0))
+    buffer.add(TransformsMessage((moved,)), False, "/tf")
+    assert buffer.matrix("base", "camera", 3 * S)[0, 3] == 1.0
+    assert not buffer.has_reached("base", "camera", 99 * S)
