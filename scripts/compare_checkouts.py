@@ -3,10 +3,13 @@
 """Compare every number that two checkouts give for the same input, bit for bit.
 
     python scripts/compare_checkouts.py OTHER_CHECKOUT [--capture PATH ...] [--model NAME ...]
+    python scripts/compare_checkouts.py OTHER_CHECKOUT --time 5
 
 Both checkouts replay the captures with each model, and estimate the scenes of the quick set, on
 this machine, with this interpreter. Numbers are compared as JSON writes them, all digits; the
-fields in ``IGNORED`` name versions and wordings. Exits with 1 where anything differs.
+fields in ``IGNORED`` name versions and wordings. Exits with 1 where anything differs. With
+``--time`` it compares processor time instead: both checkouts scan in turn, so often, and the
+medians of a frame and of an estimate are divided.
 """
 
 from __future__ import annotations
@@ -14,6 +17,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -47,15 +51,42 @@ print(json.dumps(found))
 """
 
 
+TIMED = """
+import json, sys, time
+from reflest_core.capture.open_capture import open_capture
+from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
+from reflest_core.fusion.settings import RegionSettings
+region = RegionSettings("sphere", (0.0, 0.0, 0.0), (0.6, 0.6, 0.6))
+settings = ReflestSettings(estimation=EstimationSettings(model=sys.argv[2]), region=region)
+frames = list(open_capture(sys.argv[1]))
+for warm in (True, False):
+    scanner = Scanner(settings)
+    start = time.process_time()
+    for frame in frames:
+        scanner.fuse(frame)
+    fused = (time.process_time() - start) / len(frames)
+    snapshot = scanner.snapshot()
+    start = time.process_time()
+    for _ in range(1 if warm else 8):
+        scanner.estimate(snapshot)
+    estimated = (time.process_time() - start) / (1 if warm else 8)
+print(json.dumps([fused, estimated]))
+"""
+
+
 def main() -> int:
     """Compare and report; the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("other", type=Path, help="a checkout of the other version")
     parser.add_argument("--capture", type=Path, action="append", help="a bag or an image folder")
     parser.add_argument("--model", action="append", help=f"default: {', '.join(MODELS)}")
+    parser.add_argument("--time", type=int, metavar="RUNS", help="compare processor time instead")
     options = parser.parse_args()
     captures = options.capture or [ROOT / "captures" / "glossy-red"]
     models = options.model or list(MODELS)
+    if options.time:
+        return _compare_times(options.other.resolve(), captures, models, options.time)
     differences = compared = 0
     for name, numbers in _runs(options.other.resolve(), captures, models):
         ours, theirs = numbers
@@ -82,6 +113,26 @@ def _runs(
     quick = [model for model in models if model != "lightnet"]
     if quick:
         yield "quick set", (_python(ROOT, QUICK, quick), _python(other, QUICK, quick))
+
+
+def _compare_times(other: Path, captures: list[Path], models: list[str], runs: int) -> int:
+    for capture in captures:
+        for model in models:
+            times: dict[Path, list[list[float]]] = {ROOT: [], other: []}
+            for _ in range(runs):
+                for checkout, found in times.items():
+                    arguments = [str(capture.resolve()), model]
+                    found.append(_python(checkout, TIMED, arguments))
+            ours, theirs = (
+                [statistics.median(column) for column in zip(*times[checkout], strict=True)]
+                for checkout in (ROOT, other)
+            )
+            for name, mine, before in zip(("a frame", "an estimate"), ours, theirs, strict=True):
+                print(
+                    f"{capture.name} {model}: {name} {1e3 * mine:.2f} ms of processor time here, "
+                    f"{1e3 * before:.2f} there: {mine / before:.3f} times"
+                )
+    return 0
 
 
 def _replay(checkout: Path, capture: Path, model: str) -> Any:

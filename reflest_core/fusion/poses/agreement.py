@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +18,11 @@ from numpy.typing import NDArray
 from reflest_core.capture.frame import Frame
 from reflest_core.jit import compiled, kernel_array
 
-SAMPLES = 2500
-"""Pixels of a frame that are compared, about."""
-FEWEST = 50
+SAMPLES = 700
+"""Pixels of a frame that are compared, about: shares are then known to 0.02."""
+COUNTED = 5
+"""Every fifth pixel of every fifth row shows how much of the image is valid."""
+FEWEST = 15
 """With fewer samples in sight of both frames a pair says nothing."""
 TOLERANCE = 0.01
 """Distance along the optical axis within which depths agree, metres at up to one metre away."""
@@ -68,16 +71,11 @@ class DepthSample:
         camera = frame.intrinsics
         self._pinhole = np.array([camera.fx, camera.fy, camera.cx, camera.cy])
         # Odd, so that depth which is valid in every second row or column alone is met as well.
-        stride = (int(math.sqrt(np.count_nonzero(frame.depth) / SAMPLES)) + 1) // 2 * 2 - 1
-        stride = max(stride, 1)
-        z = frame.depth[stride // 2 :: stride, stride // 2 :: stride]
-        rows, columns = np.nonzero((z > 0.0) & (z < np.inf))
-        self._rays = np.empty((len(rows), 3))
-        self._rays[:, 0] = (columns * stride + stride // 2 - camera.cx) / camera.fx
-        self._rays[:, 1] = (rows * stride + stride // 2 - camera.cy) / camera.fy
-        self._rays[:, 2] = z[rows, columns]
+        valid = COUNTED**2 * np.count_nonzero(self.depth[::COUNTED, ::COUNTED])
+        stride = max((int(math.sqrt(valid / SAMPLES)) + 1) // 2 * 2 - 1, 1)
+        self._rays = _sampled(self.depth, stride, self._pinhole)
 
-    @property
+    @cached_property
     def median_depth(self) -> float:
         """Median depth of the sample, metres; 0 without any."""
         return float(np.median(self._rays[:, 2])) if len(self._rays) else 0.0
@@ -100,6 +98,26 @@ class DepthSample:
             self._rays, transform, earlier.depth, earlier._pinhole, is_ray
         )
         return Agreement(agreeing / max(count, 1), cost / max(count, 1), count)
+
+
+@compiled
+def _sampled(
+    depth: NDArray[np.float32], stride: int, pinhole: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return x and y at unit depth, and depth, of every ``stride``-th valid pixel: (N, 3)."""
+    fx, fy, cx, cy = pinhole
+    height, width = depth.shape
+    rays = np.empty(((height // stride + 1) * (width // stride + 1), 3))
+    count = 0
+    for row in range(stride // 2, height, stride):
+        for column in range(stride // 2, width, stride):
+            z = depth[row, column]
+            if 0.0 < z < math.inf:
+                rays[count, 0] = (column - cx) / fx
+                rays[count, 1] = (row - cy) / fy
+                rays[count, 2] = z
+                count += 1
+    return rays[:count].copy()
 
 
 @compiled
