@@ -18,14 +18,14 @@ from numpy.typing import NDArray
 
 LEAST_GAIN = 40.0
 """Log-likelihood over ``rho_s = 0``, below which roughness cannot be told."""
-FEWEST_VOXELS = 60.0
+FEWEST_VOXELS = 100.0
 """Effective voxels, below which it cannot."""
 MOST_SPREAD = 0.5
 """Standard deviation of ``ln alpha`` by the parts' disagreement, above which it cannot."""
-MODEL_ERROR = 0.2
+MODEL_ERROR = 0.25
 """Standard deviation of ``ln alpha`` that no number of observations removes: what the light's map,
 the model of the normals' errors and the camera's processing contribute."""
-EDGE_ERROR = 0.35
+EDGE_ERROR = 0.5
 """The same where the likelihood is greatest at the least or the greatest roughness."""
 FINE = 200
 """Roughnesses at which the likelihood is interpolated."""

@@ -151,9 +151,9 @@ def gloss_posterior(
     fits = fit_gloss(chosen.colours, chosen.offsets, lobes, trust)
     of_parts = np.zeros((PARTS, len(ALPHAS)))
     np.add.at(of_parts, spatial_parts(surface.positions[voxels]), fits.of_voxels.T)
-    starts = chosen.offsets[:-1]
-    masses = np.add.reduceat(trust, starts) if len(voxels) else np.zeros(0)
-    effective = float((masses / counts).sum())
+    # A clipped observation is a bound alone, and says little.
+    known = trust * (chosen.colours < 255).mean(axis=1)
+    effective = float((known / np.repeat(counts, counts)).sum())
     found = identifiability(ALPHAS, of_parts, fits.log_prior, fits.matte, effective, least_gain)
     log_likelihood = of_parts.sum(axis=0) + fits.log_prior
     return GlossPosterior(

@@ -155,7 +155,7 @@ def _rate(
             trust = bands[texel, channels]
             for i in range(channels):
                 colour = colours[o, i % 3]
-                if colour == 255 and bands[texel, i] > 0.0:
+                if colour == 255:  # a bound alone
                     continue
                 slope = USUAL_GLOSS * bands[texel, i]
                 weight = trust / (variances[colour] + (HIGHLIGHT_ERROR * slope) ** 2)
