@@ -86,14 +86,7 @@ def labcd_to_ward(labcd: Array) -> Array:
 
 
 def to_labcd(parameters: WardParameters) -> LabCdParameters:
-    """Convert one Ward BRDF to Lab and gloss.
-
-    Args:
-        parameters: The BRDF.
-
-    Returns:
-        The same material as Lab, contrast and distinctness of gloss.
-    """
+    """Convert one Ward BRDF to Lab and gloss."""
     lightness, a, b, c, d = ward_to_labcd(np.array(parameters.vector)).tolist()
     return LabCdParameters((lightness, a, b), c, d)
 

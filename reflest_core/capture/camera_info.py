@@ -20,6 +20,9 @@ COEFFICIENT_COUNTS = (4, 5, 8, 12, 14)
 FISHEYE_MODELS = ("equidistant", "fisheye", "kannala_brandt", "kannala_brandt4")
 FISHEYE_COUNT = 4
 
+WIDEST, LONGEST = 100.0, 1000.0
+"""Limits of a focal length: a hundredth and a thousand times the image's edge."""
+
 
 @dataclass(frozen=True)
 class CalibratedCamera:
@@ -64,16 +67,27 @@ def check_camera_info(
         cy=(float(cy) - top) / bin_y,
     )
     is_finite = np.isfinite(matrix).all() and np.isfinite(intrinsics.matrix).all()
-    if not is_finite or intrinsics.fx <= 0.0 or intrinsics.fy <= 0.0 or skew != 0.0:
+    if not is_finite or not _is_possible(intrinsics) or skew != 0.0:
         raise _invalid(
             topic,
             f"has {'P' if settings.rectified else 'K'} with fx = {fx:g}, fy = {fy:g}, "
-            f"cx = {cx:g}, cy = {cy:g}, skew = {skew:g}; focal lengths must be positive, all "
-            "finite and skew 0",
+            f"cx = {cx:g}, cy = {cy:g}, skew = {skew:g}; focal lengths must be positive and "
+            "like the image's size, all finite and skew 0",
         )
     distortion = () if settings.rectified else _checked_distortion(info, topic)
     is_fisheye = bool(distortion) and info.distortion_model in FISHEYE_MODELS
     return CalibratedCamera(intrinsics, distortion, is_fisheye)
+
+
+def _is_possible(camera: CameraIntrinsics) -> bool:
+    """Whether focal lengths and centre are possible, for kernels divide by them."""
+    return all(
+        edge / WIDEST <= focal <= edge * LONGEST and abs(centre) <= edge * LONGEST
+        for edge, focal, centre in (
+            (camera.width, camera.fx, camera.cx),
+            (camera.height, camera.fy, camera.cy),
+        )
+    )
 
 
 def _matrix(info: CameraInfoMessage, topic: str, rectified: bool) -> NDArray[np.float64]:

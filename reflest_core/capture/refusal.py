@@ -36,14 +36,23 @@ class RefusalCause(enum.Enum):
     NO_OVERLAP = "no_overlap"
     QUEUE_FULL = "queue_full"
     MESSAGE_LOST = "message_lost"
+    INTERNAL_ERROR = "internal_error"
 
 
 class FrameRefused(ReflestError):
     """A frame or message was refused; fusion's state is as it was before."""
 
-    def __init__(self, cause: RefusalCause, message: str) -> None:
+    def __init__(self, cause: RefusalCause, message: str, count: int = 1) -> None:
+        """Make a refusal.
+
+        Args:
+            cause: By which it is counted.
+            message: One sentence that says what was wrong and what to change.
+            count: Number of messages or frames that were refused at once.
+        """
         super().__init__(message)
         self.cause = cause
+        self.count = count
 
 
 class RefusalLog:
@@ -55,7 +64,7 @@ class RefusalLog:
 
     def add(self, refusal: FrameRefused) -> bool:
         """Count ``refusal``; return True the first time that its cause occurs."""
-        self.counts[refusal.cause] += 1
+        self.counts[refusal.cause] += refusal.count
         is_first = refusal.cause not in self.first_message
         self.first_message.setdefault(refusal.cause, str(refusal))
         return is_first

@@ -8,6 +8,7 @@ The ROS node and ``reflest replay`` both drive this class, so that they agree bi
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,7 +21,7 @@ from reflest_core.environment.known_rooms import read_known_light
 from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.material_map import MaterialMap
-from reflest_core.estimation.settings import ReflestSettings
+from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.keyframe import KeyframePolicy
 from reflest_core.fusion.poses.check import PoseCheck, PoseReport
@@ -232,20 +233,63 @@ class Scanner:
         self.scan.save(path)
 
     def load(self, path: Path) -> None:
-        """Go on from a file that :meth:`save` wrote; the scan stays as it was if that fails.
-
-        The frames to come may have any stamp.
+        """Continue a saved scan; the scan stays as it was if that fails.
 
         Args:
-            path: a scan file.
+            path: A file that :meth:`save` wrote.
 
         Raises:
-            ReflestError: The file is no scan or is damaged.
+            ReflestError: The file cannot be used.
         """
-        self.scan = Scan.load(path)
+        self.continue_scan(self.read(path))
+
+    def read(self, path: Path) -> Scan:
+        """Read a saved scan, in any thread; nothing changes.
+
+        Args:
+            path: A file that :meth:`save` wrote.
+
+        Returns:
+            The scan with this scanner's memory budget and threads, for :meth:`continue_scan`.
+
+        Raises:
+            ReflestError: The file cannot be used.
+        """
+        return Scan.load(path, self.settings.fusion)
+
+    def continue_scan(self, scan: Scan) -> None:
+        """Continue another scan; the next frame may have any stamp.
+
+        Args:
+            scan: It belongs to this scanner from now on.
+        """
+        self.scan = scan
         self.poses = PoseCheck()
         self.restart_clock()
         self._last_pose = None
+
+    def prepare_estimation(self, estimation: EstimationSettings) -> Callable[[], None]:
+        """Load what other estimation settings need; nothing changes yet.
+
+        Args:
+            estimation: The new settings.
+
+        Returns:
+            What puts them to use, from the next estimate on.
+
+        Raises:
+            ReflestError: The weights or the known light cannot be used.
+        """
+        estimator, known_light = Estimator(estimation), self._known_light
+        if estimation.known_light != self.settings.estimation.known_light:
+            path = estimation.known_light
+            known_light = read_known_light(Path(path)) if path else None
+
+        def put_to_use() -> None:
+            self.settings = replace(self.settings, estimation=estimation)
+            self.estimator, self._known_light = estimator, known_light
+
+        return put_to_use
 
 
 def _with_poses(estimate: BrdfEstimate, poses: PoseReport | None) -> BrdfEstimate:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,9 @@ NODE_GROUPS = (
     "markers",
 )
 """Groups that the ROS node has beside these; its parameter files hold both."""
+
+SHORTEST_UP, LONGEST_UP = 1e-3, 1e3
+"""Limits of the length of ``up``: what lies outside is a mistake and loses all precision."""
 
 
 @dataclass(frozen=True)
@@ -84,8 +88,12 @@ class EstimationSettings:
 
     def __post_init__(self) -> None:
         check_parameters(self)
-        if not any(self.up):
-            raise ParameterError("up = (0, 0, 0) is no direction")
+        length = math.hypot(*self.up)
+        if not SHORTEST_UP <= length <= LONGEST_UP:
+            raise ParameterError(
+                f"up = {self.up} is no direction: its length must lie in [{SHORTEST_UP:g}, "
+                f"{LONGEST_UP:g}]"
+            )
 
 
 @dataclass(frozen=True)

@@ -31,14 +31,7 @@ OBSERVATIONS_PER_VOXEL = 24
 
 @dataclass(frozen=True)
 class MemoryBudget:
-    """Capacities whose arrays together never pass the budget.
-
-    Attributes:
-        blocks: TSDF blocks.
-        voxels: Rows of the observation store.
-        chunks: Chunks of observations.
-        views: Rows of the view table.
-    """
+    """Capacities whose arrays together never pass the budget."""
 
     blocks: int
     voxels: int
@@ -47,14 +40,7 @@ class MemoryBudget:
 
     @classmethod
     def from_settings(cls, settings: FusionSettings) -> MemoryBudget:
-        """Divide ``memory_budget_mb`` (of 10^6 bytes) among the stages.
-
-        Args:
-            settings: The budget, and observations per voxel.
-
-        Returns:
-            The capacities.
-        """
+        """The capacities that ``memory_budget_mb`` (of 10^6 bytes) pays for."""
         fixed = VIEW_CAPACITY * BYTES_PER_VIEW + BYTES_OF_LIGHT
         budget = int(settings.memory_budget_mb * 1e6) - fixed
         chunks = -(-min(OBSERVATIONS_PER_VOXEL, settings.observations_per_voxel) // CHUNK)

@@ -5,7 +5,9 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +25,13 @@ from reflest_core.fusion.frames.work_sphere import WorkSphere, without_holes
 from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.memory_budget import MemoryBudget
 from reflest_core.fusion.observations.colour_statistics import foreground_background_means
-from reflest_core.fusion.observations.exposure import surface_shifts
 from reflest_core.fusion.observations.observation_chunks import ChunkPool
 from reflest_core.fusion.observations.observation_store import ObservationStore
 from reflest_core.fusion.observations.redundancy import WELL_KNOWN_SHARE, known_frame
+from reflest_core.fusion.observations.surface_exposure import surface_shifts
 from reflest_core.fusion.observations.views import ViewTable
-from reflest_core.fusion.scan_file import ScanFileError, read_scan, restore_rows, write_scan
+from reflest_core.fusion.scan_check import check_arrays, checked_header
+from reflest_core.fusion.scan_file import damaged, read_scan, restore_rows, write_scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.fusion.snapshot import MOST_VOXELS, observed_surface
 from reflest_core.fusion.tsdf.volume import TsdfVolume
@@ -45,34 +48,13 @@ class MemoryBudgetError(ReflestError):
 
 
 class Scan:
-    """TSDF volume, voxel observations, views and light of one scan.
+    """TSDF volume, voxel observation store and views of one scanned object.
 
-    Not thread-safe: fuse and snapshot from one thread. A snapshot is a copy, for any thread.
-
-    Attributes:
-        fusion: Settings.
-        region_settings: The region of interest.
-        volume: The TSDF.
-        store: The observations of voxels.
-        views: The stored views.
-        light: What the background showed.
-        work_sphere: What is scanned where there is no region.
-        frame_number: Frames fused.
-        last_stamp_ns: Stamp of the last one, None before the first.
-        frame_id: The camera's frame of the last one.
-        world_frame_id: The world frame of the last one.
+    ``frame_id``, ``world_frame_id``: the camera's and the world frame's name in the last fused
+    frame. Not thread-safe: fuse and snapshot from one thread. A snapshot is a copy, for any thread.
     """
 
     def __init__(self, fusion: FusionSettings, region: RegionSettings) -> None:
-        """Begin an empty scan.
-
-        Args:
-            fusion: Settings.
-            region: The region of interest.
-
-        Raises:
-            MemoryBudgetError: The machine cannot give what ``memory_budget_mb`` asks for.
-        """
         self.fusion = fusion
         self.set_region(region)
 
@@ -102,9 +84,6 @@ class Scan:
         """Begin a scan of another region.
 
         What was scanned is forgotten: F and B of the stored views belong to the old region.
-
-        Args:
-            region: The region of interest.
         """
         self.region_settings = region
         self.region = Region.from_settings(region)
@@ -167,7 +146,7 @@ class Scan:
         in_sight = self.volume.in_sight(near, frame, self.fusion.max_depth, self.frame_number)
         changed = self.volume.integrate(in_sight, frame, pixels, self.frame_number, threads)
         fused = dataclasses.replace(
-            fused, blocks_projected=len(in_sight), blocks_changed=len(changed)
+            fused, blocks_looked_at=len(in_sight), blocks_changed=len(changed)
         )
         if known is not None and known.share >= WELL_KNOWN_SHARE:
             self.views.frames[known.view] += 1
@@ -277,14 +256,7 @@ class Scan:
         return dataclasses.replace(surface, light=self.light.observed())
 
     def save(self, path: Path | str) -> None:
-        """Write the scan to one file, replacing it whole or not at all.
-
-        Args:
-            path: The file.
-
-        Raises:
-            OutputError: The file cannot be written; it is as it was before.
-        """
+        """Write the scan to one file, replacing it whole or not at all."""
         header = {
             "fusion": dataclasses.asdict(self.fusion),
             "region": dataclasses.asdict(self.region_settings),
@@ -304,46 +276,48 @@ class Scan:
         write_scan(Path(path), header, arrays)
 
     @classmethod
-    def load(cls, path: Path | str) -> Scan:
-        """Read a saved scan; it goes on exactly as the saved one would have.
+    def load(cls, path: Path | str, own: FusionSettings | None = None) -> Scan:
+        """Read a saved scan; it continues exactly as the saved one would have.
 
         Args:
             path: The file.
+            own: Settings of whoever loads it: their memory budget and threads hold, the rest is the
+                scan's; None: all is the scan's.
 
         Returns:
             The scan.
 
         Raises:
             ScanFileError: The file is missing, damaged or of another version.
+            MemoryBudgetError: The budget is too small for the scan, or too large for the machine.
         """
-        header, arrays = read_scan(Path(path))
+        path = Path(path)
+        stored, arrays = read_scan(path)
         try:
-            scan = cls(
-                FusionSettings(**header["fusion"]),
-                RegionSettings(
-                    header["region"]["shape"],
-                    tuple(header["region"]["centre"]),
-                    tuple(header["region"]["size"]),
-                ),
-            )
+            header = checked_header(stored)
+            fusion = header.fusion
+            if own is not None:
+                fusion = dataclasses.replace(
+                    fusion, memory_budget_mb=own.memory_budget_mb, threads=own.threads
+                )
+                _check_budget(path, fusion, arrays)
+            check_arrays(arrays, fusion, header.frame_number)
+            scan = cls(fusion, header.region)
             counts = {
                 part: restore_rows(f"{part}_", stage.arrays, arrays)
                 for part, stage in scan._stages()
             }
             restore_rows("light_", scan.light.arrays, arrays)
-            scan.light.gain = float(header["exposure_gain"])
+            scan.light.gain = header.exposure_gain
             scan.views.count = counts["views"]
             scan.volume.restore(counts["volume"])
             scan.store.restore(counts["store"], counts["chunks"], counts["views"])
-            scan.frame_number = int(header["frame_number"])
-            stamp_ns = header["last_stamp_ns"]
-            scan.last_stamp_ns = None if stamp_ns is None else int(stamp_ns)
-            scan.frame_id = str(header.get("frame_id", ""))
-            scan.world_frame_id = str(header.get("world_frame_id", ""))
-            scan.work_sphere = WorkSphere.from_json(header.get("work_sphere"))
-            scan._clock_ns = scan.last_stamp_ns
-        except (KeyError, TypeError, ValueError) as error:
-            raise ScanFileError(f"{path} is a damaged scan file: {error}: save it again") from None
+            scan.frame_number = header.frame_number
+            scan.last_stamp_ns = scan._clock_ns = header.last_stamp_ns
+            scan.frame_id, scan.world_frame_id = header.frame_id, header.world_frame_id
+            scan.work_sphere = WorkSphere.from_json(header.work_sphere)
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
+            raise damaged(path, error) from None
         return scan
 
     @property
@@ -406,3 +380,19 @@ class Scan:
         return self.views.put(
             frame.camera_centre, foreground, background, frame.stamp_ns, self.light.gain
         )
+
+
+def _check_budget(path: Path, fusion: FusionSettings, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Raise :class:`MemoryBudgetError` where a saved scan does not fit the loader's budget."""
+    budget = MemoryBudget.from_settings(fusion)
+    for name, room in (
+        ("volume_keys", budget.blocks),
+        ("store_keys", budget.voxels),
+        ("chunks_after", budget.chunks),
+        ("views_order", budget.views),
+    ):
+        if len(arrays[name]) > room:
+            raise MemoryBudgetError(
+                f"the scan in {path} does not fit memory_budget_mb = {fusion.memory_budget_mb:g} "
+                "MB: raise it, and restart the node if it is a node's"
+            )

@@ -5,7 +5,11 @@
 from __future__ import annotations
 
 import json
+import math
+import os
+import stat
 import zipfile
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -25,8 +29,18 @@ OLDER = (2, 3)
 """Versions that are converted to the newest when they are read."""
 
 
+MOST_MEMBERS = 64
+MOST_HEADER_BYTES = 1 << 20
+HEAD_BYTES = 1 << 16
+"""Of a file in which its format is looked for."""
+
+
 class ScanFileError(ReflestError):
     """A scan file cannot be read."""
+
+
+class DamagedScanError(ScanFileError):
+    """The file is a scan that reflest saved, and it is damaged."""
 
 
 def write_scan(path: Path, header: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
@@ -55,27 +69,114 @@ def read_scan(path: Path) -> tuple[dict[str, Any], Arrays]:
         The header and the arrays by name, as the newest version has them.
 
     Raises:
-        ScanFileError: The file is missing, damaged or of another version.
+        DamagedScanError: The file is a scan and damaged.
+        ScanFileError: The file is missing, cannot be read, is no scan or of another version.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
-            header = json.loads(str(file["header"]))
-            if header["format"] != FORMAT:
-                raise KeyError("format")
-            version = header["version"]
-            if version not in (VERSION, *OLDER):
-                raise ScanFileError(
-                    f"{path} is a scan file of version {version}, but this reflest reads version "
-                    f"{VERSION} and older: scan again or use the reflest that wrote it"
-                )
-            arrays = {name: file[name] for name in file.files if name != "header"}
-            return _upgraded(header, arrays)
+        is_ours = _is_scan_file(path)
     except FileNotFoundError:
         raise ScanFileError(f"there is no scan file {path}: check the path") from None
-    except (OSError, EOFError, zipfile.BadZipFile, ValueError, KeyError, TypeError, AttributeError):
-        raise ScanFileError(
-            f"{path} is not a scan that reflest saved, or it is damaged: save it again"
-        ) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise ScanFileError(f"cannot read the scan file {path}: {reason}") from None
+    if not is_ours:
+        raise ScanFileError(f"{path} is not a scan that reflest saved: check the path")
+    try:
+        header, arrays = _members(path)
+        if header["format"] != FORMAT:
+            raise ValueError("its format is another")
+        version = header["version"]
+        if type(version) is not int or version not in (VERSION, *OLDER):
+            raise ScanFileError(
+                f"{path} is a scan file of version {str(version)[:20]}, but this reflest reads "
+                f"version {VERSION} and older: scan again or use the reflest that wrote it"
+            )
+        return _upgraded(header, arrays)
+    except ScanFileError:
+        raise
+    except PermissionError as error:
+        raise ScanFileError(f"cannot read the scan file {path}: {error.strerror}") from None
+    except (
+        OSError,
+        EOFError,
+        zipfile.BadZipFile,
+        zlib.error,
+        ValueError,
+        KeyError,
+        TypeError,
+        AttributeError,
+        RuntimeError,  # encrypted; NotImplementedError and RecursionError too
+        OverflowError,
+        SyntaxError,
+        MemoryError,
+    ) as error:
+        raise damaged(path, error) from None
+
+
+def damaged(path: Path, error: BaseException) -> DamagedScanError:
+    """Describe a damaged scan file.
+
+    Args:
+        path: The file.
+        error: What is wrong with it.
+
+    Returns:
+        The error to raise.
+    """
+    return DamagedScanError(f"{path} is a damaged scan file ({str(error)[:200]}): save it again")
+
+
+def _is_scan_file(path: Path) -> bool:
+    """Whether a regular file begins as reflest's scans do; OSError where it cannot be read."""
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    with open(descriptor, "rb") as file:
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+            raise ValueError("it is not a regular file")
+        head = file.read(HEAD_BYTES)
+    return head.startswith(b"PK") and FORMAT.encode("utf-32-le") in head
+
+
+def _members(path: Path) -> tuple[dict[str, Any], Arrays]:
+    """Header and arrays of an archive whose declared sizes have been checked."""
+    with path.open("rb") as file, zipfile.ZipFile(file) as archive:
+        size = os.fstat(file.fileno()).st_size
+        entries = archive.infolist()
+        names = [entry.filename for entry in entries]
+        if len(names) > MOST_MEMBERS or len(set(names)) != len(names):
+            raise ValueError("its list of arrays cannot be right")
+        for entry in entries:
+            if entry.compress_type != zipfile.ZIP_STORED or entry.flag_bits & 1:
+                raise ValueError(f"{entry.filename[:40]} is compressed or encrypted")
+            if entry.file_size != entry.compress_size:
+                raise ValueError(f"{entry.filename[:40]} declares two sizes")
+        if sum(entry.file_size for entry in entries) > size:
+            raise ValueError("its arrays are larger than the file")
+        if archive.getinfo("header.npy").file_size > MOST_HEADER_BYTES:
+            raise ValueError("its header is too long")
+        arrays = {name.removesuffix(".npy"): _array(archive, name) for name in names}
+    header = json.loads(str(arrays.pop("header")), parse_constant=_no_constant)
+    if not isinstance(header, dict):
+        raise ValueError("its header is no object")
+    return header, arrays
+
+
+def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
+    """One array, of which the declared shape has been compared with the bytes that there are."""
+    with archive.open(name) as member:
+        version = np.lib.format.read_magic(member)
+        if version != (1, 0):
+            raise ValueError(f"{name[:40]} has an unknown version")
+        shape, is_fortran, dtype = np.lib.format.read_array_header_1_0(member)
+        if dtype.hasobject or dtype.kind not in "fiubU" or is_fortran:
+            raise ValueError(f"{name[:40]} has the type {dtype}")
+        content = member.read()
+    if any(length < 0 for length in shape) or math.prod(shape) * dtype.itemsize != len(content):
+        raise ValueError(f"{name[:40]} is not as large as it declares")
+    return np.frombuffer(content, dtype).reshape(shape)
+
+
+def _no_constant(text: str) -> float:
+    raise ValueError(f"its header holds {text}")
 
 
 def restore_rows(prefix: str, targets: Mapping[str, NDArray[Any]], arrays: Arrays) -> int:

@@ -97,13 +97,18 @@ class RegionSettings:
         choices=("none", "box", "sphere"),
     )
     centre: tuple[float, float, float] = parameter(
-        (0.0, 0.0, 0.0), "Centre of the region in the world frame.", unit="m"
+        (0.0, 0.0, 0.0),
+        "Centre of the region in the world frame.",
+        unit="m",
+        minimum=-1e7,
+        maximum=1e7,
     )
     size: tuple[float, float, float] = parameter(
         (1.0, 1.0, 1.0),
         "Edges of the box; a sphere uses the first value as its diameter.",
         unit="m",
         minimum=0.0,
+        maximum=1e4,
     )
 
     def __post_init__(self) -> None:

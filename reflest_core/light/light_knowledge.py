@@ -20,13 +20,11 @@ BLOCK = 4
 
 @dataclass(frozen=True)
 class LightKnowledge:
-    """What is known of the light on a surface: shares in [0, 1], means over voxels.
+    """Shares in [0, 1], means over voxels.
 
-    Attributes:
-        seen: Share of the directions from which light falls on a voxel, weighted by cosine, that
-            the background showed.
-        clipped: Share of the light seen to come from there that overexposed pixels showed, which is
-            in truth stronger.
+    ``seen``: of the directions from which light falls on a voxel, weighted by cosine, the share
+    that the background showed. ``clipped``: of the light that was seen to come from there, the
+    share that overexposed pixels showed, which is in truth stronger.
     """
 
     seen: float
@@ -37,15 +35,7 @@ UNKNOWN_LIGHT = LightKnowledge(0.0, 0.0)
 
 
 def light_knowledge(light: ObservedLight | None, normals: NDArray[np.float32]) -> LightKnowledge:
-    """Measure what is known of the light on a surface.
-
-    Args:
-        light: What was seen; None where it was not gathered.
-        normals: (V, 3) unit normals of voxels, world frame.
-
-    Returns:
-        The shares.
-    """
+    """What is known of the ``light`` on voxels with unit ``normals`` (V, 3), world frame."""
     if light is None:
         return UNKNOWN_LIGHT
     size = len(light.coverage)

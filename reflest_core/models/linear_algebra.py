@@ -37,12 +37,7 @@ class DenseLayer(NamedTuple):
 
     @staticmethod
     def of(tensors: Tensors, name: str) -> DenseLayer:
-        """Take the layer ``<name>.weight`` (outputs, inputs) and ``<name>.bias`` as stored.
-
-        Args:
-            tensors: The trained weights by name.
-            name: Of the layer.
-        """
+        """Take the layer ``<name>.weight`` (outputs, inputs) and ``<name>.bias`` as stored."""
         return DenseLayer(
             np.ascontiguousarray(tensors[f"{name}.weight"].T), tensors[f"{name}.bias"]
         )
@@ -63,12 +58,7 @@ class DenseLayer(NamedTuple):
         return products
 
     def tanh(self, values: Array, space: Array | None = None) -> Array:
-        """Apply the layer, then tanh.
-
-        Args:
-            values: (..., inputs).
-            space: Array whose first rows take the result, where memory is to be reused.
-        """
+        """Apply the layer, then tanh; arguments as for :meth:`linear`."""
         products = self.linear(values, space)
         return np.tanh(products, out=products)
 
@@ -95,12 +85,7 @@ def one_blas_thread() -> Iterator[None]:
 
 
 def run_in_threads(work: Callable[[int], None], threads: int) -> None:
-    """Call ``work(0)`` to ``work(threads - 1)``, each in a thread of its own if there are more.
-
-    Args:
-        work: Called with the number of each thread.
-        threads: How many.
-    """
+    """Call ``work(0)`` to ``work(threads - 1)``, each in a thread of its own if there are more."""
     if threads == 1:
         work(0)
         return

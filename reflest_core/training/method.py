@@ -30,11 +30,7 @@ class TrainingMethod(ABC):
 
     @abstractmethod
     def add_options(self, parser: argparse.ArgumentParser) -> None:
-        """Add the method's own options to ``reflest train``; all must default to None.
-
-        Args:
-            parser: The parser of ``reflest train``.
-        """
+        """Add the method's own options to ``reflest train``; all must default to None."""
 
     def recipe(self, base: Recipe, arguments: argparse.Namespace) -> Recipe:
         """Return the recipe with what the method's options change.
@@ -67,11 +63,7 @@ class TrainingMethod(ABC):
 
 
 def training_method(path: str) -> TrainingMethod:
-    """Make the method of an import path; see ``NetworkDefinition.training``.
-
-    Args:
-        path: ``module:class``.
-    """
+    """Make the method of an import path; see ``NetworkDefinition.training``."""
     module, _, name = path.partition(":")
     made = getattr(importlib.import_module(module), name)()
     if not isinstance(made, TrainingMethod):

@@ -45,11 +45,7 @@ class Variant:
         return SHIPPED / self.file_name
 
     def recipe(self, origin: str = "ours") -> Recipe:
-        """Return its recipe, of origin ``paper`` or ``ours``.
-
-        Args:
-            origin: ``ours`` or ``paper``.
-        """
+        """Return its recipe, of origin ``paper`` or ``ours``."""
         base = network_named(self.network).recipes[origin]
         return dataclasses.replace(base, loss=self.loss, colour_constancy=self.colour_constancy)
 
@@ -85,9 +81,6 @@ VARIANTS = (
 
 def variant_named(name: str) -> Variant:
     """Return the variant of that name.
-
-    Args:
-        name: Of a variant.
 
     Raises:
         TrainingError: There is none; the sentence lists those that there are.

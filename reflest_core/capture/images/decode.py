@@ -41,6 +41,7 @@ COLOUR_ENCODINGS: dict[str, tuple[int, int | None]] = {
 }
 DEPTH_ENCODINGS = {"16UC1": np.uint16, "32FC1": np.float32, "mono16": np.uint16}
 MASK_ENCODINGS = ("mono8", "8UC1")
+NEAREST = 1e-3  # metres; no camera measures less, and fusion divides by depth
 SATURATED = 65535  # in 16-bit depth: "further than I can count", or Kinect's "unknown"
 
 
@@ -154,4 +155,4 @@ def _metres(
 ) -> NDArray[np.float32]:
     if raw.dtype == np.uint16:
         return _metres_by_unit(depth_scale, is_rotated).take(np.asarray(raw, np.uint16))
-    return np.where(np.isfinite(raw) & (raw > 0.0), raw, 0.0).astype(np.float32)
+    return np.where(np.isfinite(raw) & (raw >= NEAREST), raw, 0.0).astype(np.float32)

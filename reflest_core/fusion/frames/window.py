@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The part of an image that can show the scanned object: all else costs nothing."""
+"""The part of an image in which the scanned object can appear; the rest need not be looked at."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from reflest_core.capture.frame import Frame
 from reflest_core.fusion.frames.region import Region, RegionShape
 
 MARGIN = 40
-"""Pixels around it that are read too: more than any pixel's neighbourhood that counts."""
+"""Pixels around it that are looked at too: more than any pixel's neighbourhood that counts."""
 
 NEAREST = 0.05
 """Metres: where a corner of the region is closer to the camera's plane, the whole image counts."""
@@ -23,14 +23,7 @@ NEAREST = 0.05
 
 @dataclass(frozen=True)
 class Window:
-    """A rectangle of pixels, the ends not included.
-
-    Attributes:
-        top: First row.
-        bottom: Row after the last.
-        left: First column.
-        right: Column after the last.
-    """
+    """Rows ``top`` to ``bottom`` and columns ``left`` to ``right``, the ends not included."""
 
     top: int
     bottom: int
@@ -44,15 +37,7 @@ class Window:
 
 
 def object_window(frame: Frame, region: Region) -> Window:
-    """Return the window around the mask, or around the region's projection.
-
-    Args:
-        frame: The frame.
-        region: The region of interest or the work sphere.
-
-    Returns:
-        The window; the whole image where there is neither.
-    """
+    """The window around the mask, or around the region's projection; all where there is neither."""
     whole = Window(0, frame.intrinsics.height, 0, frame.intrinsics.width)
     if frame.mask is not None:
         rows = np.flatnonzero(frame.mask.any(axis=1))
@@ -72,15 +57,7 @@ def object_window(frame: Frame, region: Region) -> Window:
 
 
 def cropped(frame: Frame, window: Window) -> Frame:
-    """Cut a frame to a window, as a camera with the window for its sensor would have taken it.
-
-    Args:
-        frame: The frame.
-        window: The window.
-
-    Returns:
-        The cut frame.
-    """
+    """The frame as a camera with the window for its sensor would have taken it."""
     camera = frame.intrinsics
     if (window.bottom - window.top, window.right - window.left) == (camera.height, camera.width):
         return frame

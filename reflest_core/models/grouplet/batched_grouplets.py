@@ -15,19 +15,12 @@ Tensor = torch.Tensor
 def batched_grouplets(
     packed: PackedScenes, drawn: DrawnScenes, uniform: Tensor
 ) -> tuple[Tensor, Tensor]:
-    """Draw grouplets of a whole minibatch.
+    """Branches (B, N K, 5, 12) and normals (B, N K, 3) of K nodes a voxel.
 
-    The same numbers choose the same observations as in
-    :func:`~reflest_core.models.grouplet.grouplets.draw_grouplets`, but here nodes draw from all of
-    a voxel's observations, not from 20 that they share. A voxel without observations enters as 0.
-
-    Args:
-        packed: All training scenes.
-        drawn: The scenes of the minibatch.
-        uniform: (B, N, K, 5) float in [0, 1), which chooses the observations of K nodes a voxel.
-
-    Returns:
-        Branches (B, N K, 5, 12) and normals (B, N K, 3) of K nodes a voxel.
+    ``uniform``: (B, N, K, 5) float in [0, 1); the same numbers choose the same observations as in
+    :func:`~reflest_core.models.grouplet.grouplets.draw_grouplets`, but that here nodes draw from
+    all of a voxel's observations, not from 20 that they share. A voxel that nothing saw enters as
+    0.
     """
     places = choose_observations(drawn.seen, uniform)
     nodes = uniform.shape[2]
@@ -50,14 +43,9 @@ def batched_grouplets(
 
 
 def choose_observations(seen: Tensor, uniform: Tensor) -> Tensor:
-    """Choose observations, without replacement where a voxel has five.
+    """Places (B, N, K, 5) of seen observations, without replacement where there are five.
 
-    Args:
-        seen: (B, N, M) bool, the places that hold an observation.
-        uniform: (B, N, K, 5) in [0, 1).
-
-    Returns:
-        (B, N, K, 5), places of seen observations.
+    ``seen``: (B, N, M) bool. ``uniform``: (B, N, K, 5).
     """
     count = seen.sum(dim=2)[:, :, None]
     taken = torch.empty(uniform.shape, dtype=torch.int64, device=seen.device)

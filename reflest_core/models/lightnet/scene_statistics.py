@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Light and material as inferred, in numbers of order 1 for the network."""
+"""What was found of light and material, as numbers of order 1 for the network to weigh."""
 
 from __future__ import annotations
 
@@ -28,30 +28,21 @@ FURTHEST = 8.0
 """Greatest size of a number that is passed on."""
 _QUANTILES = (0.1, 0.5, 0.9)
 _PROBED = (0, 3, 7)
-"""Roughnesses at which the seen share of the lobes' light enters."""
+"""Roughnesses at which it is told how much of the lobes' light was seen."""
 
 Array = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
 class SceneStatistics:
-    """Numbers of a scene.
-
-    Attributes:
-        of_channels: (3, C) float32, by colour channel.
-        of_all: (S,) float32, of all three.
-    """
+    """``of_channels``: (3, C) float32 by colour channel. ``of_all``: (S,) float32 of all three."""
 
     of_channels: Array
     of_all: Array
 
 
 def scene_statistics(found: Explanation) -> SceneStatistics:
-    """Gather numbers of a material's explanation; none depends on where +x points.
-
-    Args:
-        found: The material in the light of its scene.
-    """
+    """Gather what the explanation of a material says; no number depends on where +x points."""
     surface = found.surface
     filled, whole = (
         weighted_radiance(light, found.incoming) for light in (found.filled, found.light)

@@ -48,12 +48,7 @@ class ScanFolder:
     jobs: int
 
     def made(self, data: Path, plan: ScanPlan) -> list[Path]:
-        """Simulate the scans of a plan that are missing; return all files.
-
-        Args:
-            data: Folder of a SynBRDF set.
-            plan: Which scans.
-        """
+        """Simulate the scans of a plan that are missing; return all files."""
         return make_scans(data, plan, self.folder, self.jobs)
 
 

@@ -47,11 +47,7 @@ class MeasuredScans:
 
     @staticmethod
     def joined(some: list[MeasuredScans]) -> MeasuredScans:
-        """Join several.
-
-        Args:
-            some: What is joined.
-        """
+        """Join several."""
         return MeasuredScans(
             *(
                 np.concatenate([getattr(one, field.name) for one in some])
@@ -60,11 +56,7 @@ class MeasuredScans:
         )
 
     def where(self, is_wanted: NDArray[np.bool_]) -> MeasuredScans:
-        """Select by a mask (L,).
-
-        Args:
-            is_wanted: (L,) mask.
-        """
+        """Select by a mask (L,)."""
         return MeasuredScans(*(getattr(self, field.name)[is_wanted] for field in fields(self)))
 
     @property
@@ -92,11 +84,7 @@ class MeasuredScans:
         return float(np.mean([NormalisedRmse.of(some.errors).overall for some in by_views]))
 
     def figures(self, calibration: Calibration) -> dict[str, Any]:
-        """Return JSON values for each number of views, with calibrated intervals.
-
-        Args:
-            calibration: Of the intervals.
-        """
+        """Return JSON values for each number of views, with calibrated intervals."""
         return {
             str(count): self.where(self.views == count)._figures(calibration)
             for count in self.view_counts
@@ -125,11 +113,7 @@ class MeasuredScans:
         return dict(sorted(found.items(), key=lambda pair: pair[1]))
 
     def save(self, folder: Path) -> None:
-        """Write :data:`HELD_OUT` into a training's folder, whole or not at all.
-
-        Args:
-            folder: The training's.
-        """
+        """Write :data:`HELD_OUT` into a training's folder, whole or not at all."""
         with whole_file(folder / HELD_OUT) as file:
             np.savez_compressed(
                 file, **{field.name: getattr(self, field.name) for field in fields(self)}
@@ -138,9 +122,6 @@ class MeasuredScans:
     @staticmethod
     def read(folder: Path) -> MeasuredScans:
         """Read those of a training.
-
-        Args:
-            folder: The training's.
 
         Raises:
             TrainingError: The folder has none, or they are damaged.
