@@ -26,8 +26,7 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import Empty
 
 from benchmarks.measuring.machine import ROOT, describe_machine
-from reflest_ros.inputs.message_info import with_message_info
-from reflest_ros.inputs.publication_gaps import PublicationGaps
+from reflest_ros.inputs.publication_gaps import PublicationGaps, with_message_info
 from reflest_ros.inputs.qos import OUTPUT_QOS, input_qos
 
 PROFILE = ROOT / "config" / "fastdds_large_messages.xml"
@@ -96,7 +95,8 @@ class Receiver(Node):
 
         def take(_: Image, info: dict[str, Any]) -> None:
             self.received[name] += 1
-            self.reported_lost += gaps.lost_before(info["publication_sequence_number"])
+            number = info["publication_sequence_number"]
+            self.reported_lost += gaps.lost_before(number, time.monotonic(), 1)
 
         return with_message_info(take)
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What the node says about itself on ``/diagnostics``."""
+"""The node's status on ``/diagnostics``."""
 
 from __future__ import annotations
 
@@ -14,9 +14,8 @@ from rclpy.node import Node
 from reflest_core.capture.messages import Role
 from reflest_core.capture.refusal import RefusalCause
 from reflest_ros.inputs.silence import SilenceWatch
-from reflest_ros.recent_counts import RecentCounts
 from reflest_ros.scan_session import ScanSession
-from reflest_ros.scan_warnings import ScanWarnings
+from reflest_ros.scan_trends import RecentCounts, ScanWarnings
 from reflest_ros.settings import InputSettings
 
 WINDOW = 5.0
@@ -25,7 +24,7 @@ WINDOW = 5.0
 
 @dataclass
 class _Watched:
-    """A session, who watches its inputs, and what it counted of late."""
+    """A session with its watches and recent counters."""
 
     session: ScanSession
     silence: SilenceWatch
@@ -35,16 +34,31 @@ class _Watched:
 
 
 class Diagnostics:
-    """Publishes one status each period: state, rates, refusals by cause, store against budget."""
+    """Publishes one status each period: state, rates, refusals by cause, store against budget.
+
+    Attributes:
+        phase: What the node is doing while no session is watched; "" where it does nothing.
+    """
 
     def __init__(self, node: Node, settings: InputSettings) -> None:
+        """Create the publisher.
+
+        Args:
+            node: The node.
+            settings: Limits of the warnings.
+        """
+        self.phase = ""
         self._node = node
         self._settings = settings
         self._watched: _Watched | None = None
         self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
 
     def watch(self, session: ScanSession | None) -> None:
-        """Report on ``session`` from now on; None where the node is not configured."""
+        """Report on another session from now on.
+
+        Args:
+            session: None where the node is not configured.
+        """
         self._watched = None
         if session is not None:
             self._watched = _Watched(
@@ -66,7 +80,7 @@ class Diagnostics:
             level=DiagnosticStatus.OK,
         )
         if watched is None:
-            status.message = "not configured"
+            status.message = self.phase or "not configured"
         else:
             _sample(watched)
             watched.session.inputs.recheck_qos()
@@ -98,6 +112,8 @@ class Diagnostics:
             "queue": str(session.fusion.waiting),
             "keyframes": str(counts.keyframes),
             "keyframes skipped": str(session.estimation.skipped),
+            "discarded keyframes": str(session.estimation.discarded),
+            "discarded messages": str(counts.discarded),
             "keyframes without an estimate": str(estimates.failed),
             "last reason for no estimate": estimates.last_failure,
             "estimates": str(estimates.published),

@@ -9,12 +9,19 @@ import sys
 from rclpy.experimental import EventsExecutor
 
 from reflest_core.errors import ReflestError
-from reflest_ros.process import avoid_pauses, ignore_signals, ros_process
-from reflest_ros.spinning import Spinning
+from reflest_ros.process import avoid_pauses, ignore_signals, limit_clean_up, ros_process
+from reflest_ros.threads import Spinning
 
 
 def main(args: list[str] | None = None) -> int:
-    """Run the node; 0 after a signal, 2 for a user's mistake, 1 for ours."""
+    """Run the node.
+
+    Args:
+        args: Command line with ROS arguments; None: that of the process.
+
+    Returns:
+        0 after a signal, 2 for a user's mistake, 1 after an internal error.
+    """
     try:
         with ros_process(args):
             return _run_node()
@@ -30,17 +37,19 @@ def _run_node() -> int:
     from reflest_ros.node import EstimatorNode
 
     node = EstimatorNode()
-    node.bring_up()
-    avoid_pauses()
     executor = EventsExecutor()
     executor.add_node(node)
     spinning = Spinning(executor, "executor", node.crash)
     try:
         spinning.start()
+        # It answers services and publishes diagnostics meanwhile.
+        node.bring_up()
+        avoid_pauses()
         node.has_crashed.wait()
     finally:
         # One after the other, so that no callback runs on what is gone.
         ignore_signals()
+        limit_clean_up()
         spinning.stop()
         node.destroy_node()
     return 1

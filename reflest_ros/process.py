@@ -1,16 +1,15 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Starting and ending a ROS process so that a signal at any time ends it cleanly.
-
-Also what keeps it from pausing in between.
-"""
+"""Start and end of a ROS process: a signal at any time ends it, whatever hangs."""
 
 from __future__ import annotations
 
 import contextlib
 import gc
+import os
 import signal
 import sys
+import threading
 from collections.abc import Iterator
 
 import rclpy
@@ -19,7 +18,13 @@ from rclpy.signals import SignalHandlerOptions
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 HAND_OVER = 0.001
-"""Seconds after which a thread must let another one go on in Python; 5 ms unless set."""
+"""Seconds after which a thread must let another one run Python; 5 ms by default."""
+
+CLEAN_UP_LIMIT = 20.0
+"""Seconds that the clean-up may take after a signal; the process is then ended as it is."""
+
+KILLED = 3
+"""Exit code of a process whose clean-up took too long."""
 
 
 @contextlib.contextmanager
@@ -29,6 +34,12 @@ def ros_process(args: list[str] | None) -> Iterator[None]:
     rclpy's own handlers would invalidate the context at once, under the threads that still
     publish. Here a signal raises KeyboardInterrupt in the main thread, which leaves the block in
     order; later signals are ignored, so that nothing interrupts the clean-up.
+
+    Args:
+        args: Command line with ROS arguments; None: that of the process.
+
+    Yields:
+        Nothing.
     """
     for number in SIGNALS:
         signal.signal(number, signal.default_int_handler)
@@ -48,10 +59,39 @@ def ignore_signals() -> None:
         signal.signal(number, signal.SIG_IGN)
 
 
-def avoid_pauses() -> None:
-    """Once started: threads hand over soon, and what was loaded is not searched for garbage again.
+def limit_clean_up(seconds: float = CLEAN_UP_LIMIT) -> None:
+    """End the process with exit code 3 if it still runs after ``seconds``.
 
-    A collection of all that the libraries leave behind stops every thread for 40 to 70 ms.
+    A thread that hangs in a callback, a kernel or a file system cannot be ended; without this the
+    process would wait for it for ever.
+
+    Args:
+        seconds: Time that is left to the clean-up.
+    """
+
+    def end() -> None:
+        running = ", ".join(
+            thread.name
+            for thread in threading.enumerate()
+            if thread is not threading.current_thread()
+        )
+        print(
+            f"reflest: error: the node did not end within {seconds:g} s (threads: {running}) and "
+            "was stopped",
+            file=sys.stderr,
+            flush=True,
+        )
+        os._exit(KILLED)
+
+    timer = threading.Timer(seconds, end)
+    timer.daemon = True
+    timer.start()
+
+
+def avoid_pauses() -> None:
+    """Make threads hand over soon, and keep loaded modules out of garbage collection.
+
+    A collection of everything that the libraries hold stops every thread for 40 to 70 ms.
     """
     sys.setswitchinterval(HAND_OVER)
     gc.collect()

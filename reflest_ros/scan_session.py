@@ -1,40 +1,56 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""All that lives from configure to cleanup: the scan, its two threads, services and topics."""
+"""Everything that lives from configure to cleanup: the scan, its threads, services and topics."""
 
 from __future__ import annotations
 
+import contextlib
+import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Protocol
 
 from rclpy.node import Node
 
 from reflest_core.capture.assembler import FrameAssembler
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
-from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.scanner import Scanner
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.estimation.warm_up import warm_up
 from reflest_core.fusion.keyframe import KeyframePolicy
 from reflest_core.fusion.settings import RegionSettings
-from reflest_ros.inputs.clock_watch import ClockWatch
+from reflest_ros.inputs.silence import ClockWatch
 from reflest_ros.inputs.subscriptions import Inputs
 from reflest_ros.outputs.estimate_output import EstimateOutput
-from reflest_ros.outputs.views import VIEWS
-from reflest_ros.region_parameters import set_region_parameters
+from reflest_ros.parameters import set_region_parameters
 from reflest_ros.services.estimate_services import EstimateServices
+from reflest_ros.services.file_access import FileAccess
+from reflest_ros.services.node_services import NodeServices
 from reflest_ros.services.scan_services import ScanServices
-from reflest_ros.services.waiting_services import WaitingServices
 from reflest_ros.settings import NodeSettings
 from reflest_ros.workers.autosave import Autosave
 from reflest_ros.workers.estimation_worker import EstimationWorker
-from reflest_ros.workers.fusion_worker import FusionWorker
+from reflest_ros.workers.fusion_worker import FusionWorker, Keyframe
+
+
+class OfferingNode(Protocol):
+    """A node with its pools of services."""
+
+    offered: NodeServices
 
 
 class ScanSession:
     """Fuses what the inputs bring while it is active, and answers services until it is closed.
 
-    Raises :class:`ReflestError` where the settings or the weights cannot be used.
+    Attributes:
+        inputs: The topics that are listened to.
+        scanner: The scan; it belongs to the fusion thread.
+        autosave: Saves the scan regularly.
+        assembler: Makes frames of messages and counts refusals.
+        output: Publishes estimates.
+        estimation: The thread that estimates.
+        fusion: The thread that fuses.
+        is_active: Whether messages are listened to.
     """
 
     def __init__(
@@ -44,42 +60,57 @@ class ScanSession:
         settings: ReflestSettings,
         on_crash: Callable[[BaseException], None],
     ) -> None:
+        """Load, compile, allocate, start the threads and offer the services.
+
+        Args:
+            node: The node, an :class:`OfferingNode`.
+            node_settings: The node's own parameters.
+            settings: The core's parameters.
+            on_crash: Called with what ended a thread.
+
+        Raises:
+            ReflestError: The settings, the weights or the autosave's file cannot be used.
+        """
+        self._node = node
         self._settings = settings
         self._resets_on_jump = node_settings.input.reset_on_clock_jump
         self._log = node.get_logger()
-        self.inputs = Inputs(node, node_settings, settings.capture)
-        self.scanner = Scanner(settings)
-        warm_up(self.scanner.estimator)
-        self.autosave = Autosave(node, node_settings.autosave, self.scanner)
-        self.assembler = FrameAssembler(
-            settings.capture,
-            self.inputs.topics,
-            self._on_refusal,
-            self._on_clock_jump,
-            self._log.warning,
-        )
         self.is_active = False
-        self.output = EstimateOutput(node, [view(node) for view in VIEWS])
-        self.estimation = EstimationWorker(self.scanner.estimate, self.output, on_crash)
-        self.fusion = FusionWorker(
-            self.assembler,
-            self.scanner,
-            self.estimation.offer,
-            on_crash,
-            node_settings.input.queue_size,
-            node_settings.input.settle,
-        )
-        self.waiting_services = WaitingServices(node, on_crash)
-        self._services = ScanServices(node, self, self.waiting_services)
-        EstimateServices(self.waiting_services, self.fusion, self.estimation)
-        if self.autosave.resume():
-            set_region_parameters(node, self.scanner.scan.region_settings)
-            self.fusion.count_store()
+        files = FileAccess(node_settings.files, node.get_name())
+        self.inputs = Inputs(node, node_settings, settings.capture)
+        with contextlib.ExitStack() as on_failure:
+            self.scanner = Scanner(settings)
+            warm_up(self.scanner.estimator)
+            self.autosave = Autosave(node, node_settings.autosave, self.scanner)
+            on_failure.callback(self.autosave.unlock)
+            self.assembler = FrameAssembler(
+                settings.capture,
+                self.inputs.topics,
+                self._on_refusal,
+                self._on_clock_jump,
+                self._log.warning,
+            )
+            self.output = EstimateOutput(node)
+            on_failure.callback(self.output.destroy)
+            self.estimation = EstimationWorker(self.scanner.estimate, self.output, on_crash)
+            self.fusion = FusionWorker(
+                self.assembler,
+                self.scanner,
+                self.estimation.offer,
+                on_crash,
+                node_settings.input.queue_size,
+                node_settings.input.settle,
+            )
+            if self.autosave.resume():
+                self._continue_loaded_scan()
+            on_failure.pop_all()
+        pools = node.offered
+        ScanServices(node, self, files, pools)
+        EstimateServices(pools.work, files, self.fusion, self.estimation)
         self._clock_watch = ClockWatch(node, settings.capture.clock_jump, self._ros_clock_jumped)
         self.estimation.start()
         self.fusion.start()
         self.autosave.start(self.fusion)
-        self.waiting_services.start()
 
     def activate(self) -> None:
         """Subscribe."""
@@ -87,48 +118,74 @@ class ScanSession:
         self.is_active = True
 
     def deactivate(self) -> None:
-        """Unsubscribe, and fuse what had come; the scan stays."""
+        """Unsubscribe; the scan stays, and messages that wait are still fused."""
         self.is_active = False
         self.inputs.deactivate()
-        self.fusion.call(self.fusion.settle).result()
 
     def close(self) -> None:
-        """End the threads and give everything back."""
+        """End the threads and free everything."""
+        self.is_active = False
         self.inputs.deactivate()
         self._clock_watch.stop()
-        self._services.destroy()
-        self.waiting_services.close()
         self.fusion.stop()
         self.autosave.stop()
         self.estimation.stop()
         self.output.destroy()
 
     def reset(self) -> None:
-        """Forget the scan; to be run through ``fusion.call``."""
+        """Begin a new scan; to be run through ``fusion.call_now``."""
         self.fusion.reset()
         self.estimation.forget()
 
     def load(self, path: Path) -> None:
-        """Go on from a saved scan; to be run through ``fusion.call``."""
-        self.scanner.load(path)
-        self._scan_changed()
+        """Continue a saved scan.
 
-    def apply(self, settings: ReflestSettings) -> None:
-        """Take changed live parameters, or refuse them with a :class:`ReflestError`.
+        Args:
+            path: A scan file; it is read in the calling thread, while frames are fused.
 
-        Another region begins a new scan.
+        Raises:
+            ReflestError: The file cannot be used; the scan is as it was.
         """
-        if settings.region != self.scanner.scan.region_settings:
-            self.fusion.call(lambda: self._set_region(settings.region)).result()
+        scan = self.scanner.read(path)
+
+        def work() -> None:
+            self.fusion.forget_messages()
+            self.scanner.continue_scan(scan)
+            self.estimation.forget()
+            self._offer_loaded_scan()
+
+        self.fusion.call_now(work).result()
+
+    def prepare(self, settings: ReflestSettings) -> Callable[[], None]:
+        """Load what changed live parameters need; nothing changes yet.
+
+        Args:
+            settings: The parameters as they shall be.
+
+        Returns:
+            What puts them to use. Another region begins a new scan.
+
+        Raises:
+            ReflestError: They cannot be used.
+        """
+        use_estimation: Callable[[], None] | None = None
         if settings.estimation != self._settings.estimation:
-            self.scanner.estimator = Estimator(settings.estimation)
-        if settings.keyframe != self._settings.keyframe:
-            self.fusion.call(
-                lambda: setattr(self.scanner, "keyframes", KeyframePolicy(settings.keyframe))
-            )
-        self._settings = settings
+            use_estimation = self.scanner.prepare_estimation(settings.estimation)
+
+        def put_to_use() -> None:
+            if use_estimation is not None:
+                use_estimation()
+            if settings.keyframe != self._settings.keyframe:
+                policy = KeyframePolicy(settings.keyframe)
+                self.fusion.call_now(lambda: setattr(self.scanner, "keyframes", policy))
+            if settings.region != self.scanner.scan.region_settings:
+                self.fusion.call_now(lambda: self._set_region(settings.region)).result()
+            self._settings = settings
+
+        return put_to_use
 
     def _set_region(self, region: RegionSettings) -> None:
+        self.fusion.forget_messages()
         self.scanner.set_region(region)
         self._scan_changed()
 
@@ -136,8 +193,18 @@ class ScanSession:
         self.fusion.count_store()
         self.estimation.forget()
 
+    def _continue_loaded_scan(self) -> None:
+        set_region_parameters(self._node, self.scanner.scan.region_settings)
+        self._offer_loaded_scan()
+
+    def _offer_loaded_scan(self) -> None:
+        """Publish what a loaded scan holds, or the topic would stay empty until a keyframe."""
+        self.fusion.count_store()
+        if self.scanner.scan.voxel_count:
+            self.estimation.offer(Keyframe(self.scanner.snapshot(), time.monotonic()))
+
     def _on_clock_jump(self, _: str) -> None:
-        """Stamps went back: empty the scan or go on with it, as the user chose."""
+        """Stamps went back: begin a new scan or go on with this one, as the user chose."""
         if self._resets_on_jump:
             self.scanner.reset()
             self._scan_changed()
@@ -145,15 +212,15 @@ class ScanSession:
             self.scanner.restart_clock()
 
     def _ros_clock_jumped(self, sentence: str) -> None:
-        """The node's clock went back: what waits belongs to the time before."""
+        """The node's clock went back: messages that wait belong to the time before."""
 
         def work() -> None:
             self.assembler.refuse(FrameRefused(RefusalCause.CLOCK_JUMP, sentence))
             self.fusion.forget_messages()
             self._on_clock_jump(sentence)
 
-        self.fusion.call(work)
+        self.fusion.call_now(work)
 
     def _on_refusal(self, refusal: FrameRefused, is_first: bool) -> None:
         if is_first:
-            self._log.warning(f"{refusal} (cause: {refusal.cause.value}; said once)")
+            self._log.warning(f"{refusal} (cause: {refusal.cause.value}; logged once)")

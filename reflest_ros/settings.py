@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What a user can turn in the node beside the core's settings."""
+"""Parameters of the node beside those of the core."""
 
 from __future__ import annotations
 
@@ -13,6 +13,9 @@ from reflest_ros.outputs.view_settings import (
     PreviewSettings,
     VoxelSettings,
 )
+
+NODE_NAME = "reflest_estimator"
+"""The node's name, under which its services and diagnostics are found."""
 
 
 @dataclass(frozen=True)
@@ -79,22 +82,23 @@ class InputSettings:
     )
     silence: float = parameter(
         5.0,
-        "A topic without a message for this long is named in a warning.",
+        "A warning names each topic that has had no message for this long.",
         unit="s",
         minimum=0.1,
         maximum=3600.0,
     )
     settle: float = parameter(
         0.5,
-        "After this long without a message, frames that wait for later messages are settled.",
+        "After this long without a message, frames that wait for later messages are used as they "
+        "are.",
         unit="s",
         minimum=0.01,
         maximum=60.0,
     )
     reset_on_clock_jump: bool = parameter(
         False,
-        "When time goes back (a bag loops, a simulation restarts), forget the scan as well "
-        "as what waits; otherwise the scan goes on with what comes next.",
+        "When time goes back (a bag loops, a simulation restarts), begin a new scan; otherwise the "
+        "scan continues with the next frames. Waiting messages are dropped either way.",
     )
     diagnostics_period: float = parameter(
         1.0, "Time between two messages on /diagnostics.", unit="s", minimum=0.02, maximum=60.0
@@ -118,16 +122,16 @@ class LifecycleSettings:
 
 @dataclass(frozen=True)
 class AutosaveSettings:
-    """What a node that ends without warning leaves behind."""
+    """A file that holds the scan, so that a node that is killed continues it at the next start."""
 
     path: str = parameter(
         "",
-        "File to which the scan is saved now and then and when the node is cleaned up, and "
-        "from which the next start goes on; empty: none. One file for each node.",
+        "File to which the scan is saved regularly and at cleanup, and from which the next start "
+        "continues; empty: none. Each node needs its own file.",
     )
     period: float = parameter(
         10.0,
-        "Time between two savings of a scan that changes.",
+        "Time between two saves of a scan that changes.",
         unit="s",
         minimum=0.1,
         maximum=86400.0,
@@ -138,9 +142,25 @@ class AutosaveSettings:
 
 
 @dataclass(frozen=True)
-class NodeSettings:
-    """The node's own groups of parameters."""
+class FileSettings:
+    """Files that services may use."""
 
+    root: str = parameter(
+        "",
+        "Folder in which the services ~/save, ~/load and ~/export may use files; empty: "
+        "reflest/NODE_NAME below ROS_HOME or ~/.ros.",
+    )
+    allow_write: bool = parameter(True, "Whether services may write files.")
+
+    def __post_init__(self) -> None:
+        check_parameters(self)
+
+
+@dataclass(frozen=True)
+class NodeSettings:
+    """The node's own groups of parameters, in the order of ``config/estimator.yaml``."""
+
+    files: FileSettings = field(default_factory=FileSettings)
     lifecycle: LifecycleSettings = field(default_factory=LifecycleSettings)
     autosave: AutosaveSettings = field(default_factory=AutosaveSettings)
     topics: TopicSettings = field(default_factory=TopicSettings)

@@ -21,8 +21,8 @@ from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_ros.inputs.qos import OUTPUT_QOS
 from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
-from reflest_ros.node_name import NODE_NAME
 from reflest_ros.outputs.estimate_message import estimate_from_message
+from reflest_ros.settings import NODE_NAME
 from reflest_ros.srv import Estimate
 
 PROFILE = Path(__file__).resolve().parents[2] / "config" / "fastdds_large_messages.xml"

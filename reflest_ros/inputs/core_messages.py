@@ -1,11 +1,12 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""ROS messages as the plain data that reflest_core takes; image bytes are not copied."""
+"""Converts ROS messages to the plain data that reflest_core takes; images are not copied."""
 
 from __future__ import annotations
 
 from typing import Any, Protocol
 
+from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
@@ -28,12 +29,39 @@ class Stamp(Protocol):
 
 
 def stamp_to_ns(stamp: Stamp) -> int:
-    """Nanoseconds of a stamp."""
+    """Convert a stamp of ROS.
+
+    Args:
+        stamp: A ``builtin_interfaces/Time``.
+
+    Returns:
+        Nanoseconds since the epoch.
+    """
     return stamp.sec * 1_000_000_000 + stamp.nanosec
 
 
+def ns_to_stamp(stamp_ns: int) -> Time:
+    """Convert to a stamp of ROS.
+
+    Args:
+        stamp_ns: Nanoseconds since the epoch.
+
+    Returns:
+        A ``builtin_interfaces/Time``.
+    """
+    seconds, nanoseconds = divmod(stamp_ns, 1_000_000_000)
+    return Time(sec=seconds, nanosec=nanoseconds)
+
+
 def image_message(message: Image) -> ImageMessage:
-    """``sensor_msgs/Image`` as plain data."""
+    """Convert an image.
+
+    Args:
+        message: A ``sensor_msgs/Image``.
+
+    Returns:
+        The image; it shares the bytes of ``message``.
+    """
     return ImageMessage(
         stamp_ns=stamp_to_ns(message.header.stamp),
         frame_id=message.header.frame_id,
@@ -47,7 +75,14 @@ def image_message(message: Image) -> ImageMessage:
 
 
 def camera_info_message(message: CameraInfo) -> CameraInfoMessage:
-    """``sensor_msgs/CameraInfo`` as plain data."""
+    """Convert a calibration.
+
+    Args:
+        message: A ``sensor_msgs/CameraInfo``.
+
+    Returns:
+        The calibration.
+    """
     roi = message.roi
     return CameraInfoMessage(
         stamp_ns=stamp_to_ns(message.header.stamp),
@@ -64,7 +99,14 @@ def camera_info_message(message: CameraInfo) -> CameraInfoMessage:
 
 
 def compressed_image_message(message: CompressedImage) -> CompressedImageMessage:
-    """``sensor_msgs/CompressedImage`` as plain data."""
+    """Convert a compressed image.
+
+    Args:
+        message: A ``sensor_msgs/CompressedImage``.
+
+    Returns:
+        The image; it shares the bytes of ``message``.
+    """
     return CompressedImageMessage(
         stamp_ns=stamp_to_ns(message.header.stamp),
         frame_id=message.header.frame_id,
@@ -74,18 +116,39 @@ def compressed_image_message(message: CompressedImage) -> CompressedImageMessage
 
 
 def pose_message(message: PoseStamped) -> PoseMessage:
-    """``geometry_msgs/PoseStamped`` as plain data."""
+    """Convert a pose.
+
+    Args:
+        message: A ``geometry_msgs/PoseStamped``.
+
+    Returns:
+        The pose, not checked.
+    """
     return _posed(message.header, "", message.pose.position, message.pose.orientation)
 
 
 def odometry_message(message: Odometry) -> PoseMessage:
-    """The pose in a ``nav_msgs/Odometry`` as plain data."""
+    """Convert the pose of an odometry.
+
+    Args:
+        message: A ``nav_msgs/Odometry``.
+
+    Returns:
+        The pose, not checked.
+    """
     pose = message.pose.pose
     return _posed(message.header, message.child_frame_id, pose.position, pose.orientation)
 
 
 def transforms_message(message: Any) -> TransformsMessage:
-    """``tf2_msgs/TFMessage`` as plain data."""
+    """Convert transforms.
+
+    Args:
+        message: A ``tf2_msgs/TFMessage``.
+
+    Returns:
+        The transforms, not checked.
+    """
     return TransformsMessage(
         tuple(
             _posed(

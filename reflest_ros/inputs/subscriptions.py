@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The node's inputs: each topic's messages, converted and handed on."""
+"""The node's inputs: converts each topic's messages and hands them on."""
 
 from __future__ import annotations
 
@@ -20,9 +20,8 @@ from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.errors import ReflestError
 from reflest_ros.inputs.input_topics import InputTopic, input_topics
-from reflest_ros.inputs.message_info import with_message_info
-from reflest_ros.inputs.publication_gaps import PublicationGaps
-from reflest_ros.inputs.qos_problem import qos_problem, unseen_problem
+from reflest_ros.inputs.publication_gaps import PublicationGaps, with_message_info
+from reflest_ros.inputs.qos import qos_problem, unseen_problem
 from reflest_ros.settings import NodeSettings
 
 OVERRIDABLE = (
@@ -34,10 +33,10 @@ OVERRIDABLE = (
 
 
 class MessageSink(Protocol):
-    """Where messages go, from any thread."""
+    """Takes messages, from any thread."""
 
     def offer(self, role: Role, message: SensorMessage) -> None:
-        """Take a message."""
+        """Queue a message."""
 
     def refuse(self, refusal: FrameRefused) -> None:
         """Count what could not even become a message."""
@@ -45,37 +44,55 @@ class MessageSink(Protocol):
 
 @dataclass
 class Input:
-    """One topic to subscribe, and what came of it.
+    """State of one topic.
 
-    ``last_arrival``: of its last message, or of the subscription; ``time.monotonic``.
-    ``last_stamp_ns``: of its last message, None before the first. ``qos_problem``: "" or a sentence
-    about publishers that cannot be heard, found after ``count_at_problem`` messages.
-    ``is_awaited``: whether its silence is worth a warning.
+    Attributes:
+        role: What its messages are to the scan.
+        topic: Full name.
+        is_awaited: Whether its silence is worth a warning.
+        count: Messages received.
+        publishers: Publishers that are received now.
+        last_arrival: Of its last message, or of the subscription; ``time.monotonic``.
+        last_stamp_ns: Of its last message, None before the first.
+        qos_problem: A sentence about publishers that cannot be received, or "".
+        count_at_problem: Messages that had been received when it was found.
     """
 
     role: Role
     topic: str
     is_awaited: bool = True
     count: int = 0
+    publishers: int = 0
     last_arrival: float = 0.0
     last_stamp_ns: int | None = None
     qos_problem: str = ""
     count_at_problem: int = 0
 
     def take(self, message: SensorMessage) -> None:
-        """Note the arrival of a message."""
+        """Note the arrival of a message.
+
+        Args:
+            message: The message.
+        """
         self.count += 1
         self.last_arrival = time.monotonic()
         self.last_stamp_ns = message.stamp_ns
 
 
 class Inputs:
-    """The topics that a scan needs; subscribed to while it is active.
-
-    Raises :class:`ReflestError` where one of them cannot be received on this machine.
-    """
+    """The topics that a scan needs; subscribed to while it is active."""
 
     def __init__(self, node: Node, settings: NodeSettings, capture: CaptureSettings) -> None:
+        """Choose the topics.
+
+        Args:
+            node: The node that subscribes.
+            settings: Names and transports.
+            capture: Which poses and masks are used.
+
+        Raises:
+            ReflestError: One of them cannot be received on this machine.
+        """
         self._node = node
         self._subscriptions: list[Subscription] = []
         self._listened = [
@@ -90,15 +107,20 @@ class Inputs:
 
     @property
     def states(self) -> list[Input]:
-        """What came of each topic."""
+        """The state of each topic."""
         return [state for _, state in self._listened]
 
     def activate(self, sink: MessageSink) -> None:
-        """Subscribe to each topic; ``sink`` gets the messages, in the executor's threads.
+        """Subscribe to each topic.
 
         Each topic's quality of service can be overridden by the parameters
-        ``qos_overrides.TOPIC.subscription.{reliability,durability,history,depth}``; raises
-        :class:`ReflestError` naming the topic where one of these cannot be used.
+        ``qos_overrides.TOPIC.subscription.{reliability,durability,history,depth}``.
+
+        Args:
+            sink: Gets the messages, in the executor's thread.
+
+        Raises:
+            ReflestError: It names the topic of which one of these cannot be used.
         """
         for topic, state in self._listened:
             state.qos_problem = ""
@@ -107,7 +129,7 @@ class Inputs:
             except (RuntimeError, ParameterException) as error:
                 self.deactivate()
                 raise ReflestError(
-                    f"{topic.name} cannot be subscribed to: {error}; mend its parameters "
+                    f"{topic.name} cannot be subscribed to: {error}; correct its parameters "
                     f"qos_overrides.{topic.name}.subscription"
                 ) from error
 
@@ -117,7 +139,7 @@ class Inputs:
             state.last_arrival = started
 
     def recheck_qos(self) -> None:
-        """Take back what was mended; the middleware tells of it some time after a message came."""
+        """Drop the problems that are solved; the middleware shows it some time after a message."""
         for topic, state in self._listened:
             if state.qos_problem and state.count > state.count_at_problem:
                 state.qos_problem = self._qos_problem(topic)
@@ -133,12 +155,16 @@ class Inputs:
 
         @with_message_info
         def on_message(message: Any, info: dict[str, Any]) -> None:
-            lost = gaps.lost_before(info["publication_sequence_number"])
-            if lost and self._node.count_publishers(topic.name) == 1:
+            number, publishers = info["publication_sequence_number"], state.publishers
+            if lost := gaps.lost_before(number, time.monotonic(), publishers):
                 _refuse_lost(topic.name, lost, sink)
             converted = topic.convert(message)
             state.take(converted)
             sink.offer(topic.role, converted)
+
+        def on_matched(event: Any) -> None:
+            state.publishers = event.current_count
+            gaps.begin()
 
         return self._node.create_subscription(
             topic.message_type,
@@ -146,7 +172,8 @@ class Inputs:
             on_message,
             topic.qos,
             event_callbacks=SubscriptionEventCallbacks(
-                incompatible_qos=lambda event: self._on_incompatible_qos(topic, state, event)
+                incompatible_qos=lambda event: self._on_incompatible_qos(topic, state, event),
+                matched=on_matched,
             ),
             qos_overriding_options=QoSOverridingOptions(OVERRIDABLE),
         )
@@ -166,13 +193,12 @@ class Inputs:
 
 def _refuse_lost(topic: str, count: int, sink: MessageSink) -> None:
     """Count messages that are missing between two that came."""
-    for _ in range(count):
-        sink.refuse(
-            FrameRefused(
-                RefusalCause.MESSAGE_LOST,
-                f"a message on {topic} was lost between its publisher and this node: give Fast "
-                "DDS more shared memory (FASTRTPS_DEFAULT_PROFILES_FILE set to "
-                "config/fastdds_large_messages.xml, for both), or set input.reliability to "
-                "reliable",
-            )
+    sink.refuse(
+        FrameRefused(
+            RefusalCause.MESSAGE_LOST,
+            f"a message on {topic} was lost between its publisher and this node: give Fast DDS "
+            "more shared memory (FASTRTPS_DEFAULT_PROFILES_FILE set to "
+            "config/fastdds_large_messages.xml, for both), or set input.reliability to reliable",
+            count,
         )
+    )

@@ -53,6 +53,8 @@ DIAGNOSTICS = {
     "queue": "Messages and jobs that wait for fusion.",
     "keyframes": "Frames at which an estimate was due.",
     "keyframes skipped": "Keyframes that a newer one replaced before their estimate was begun.",
+    "discarded keyframes": "Keyframes and estimates dropped because a new scan had begun.",
+    "discarded messages": "Messages that waited when a new scan began.",
     "keyframes without an estimate": "Keyframes at which the scan held too little.",
     "last reason for no estimate": "Why; empty where there was none.",
     "estimates": "Estimates published.",
@@ -108,6 +110,7 @@ REFUSALS = {
     RefusalCause.NO_OVERLAP: "Nothing of the image is the object, though it may be in sight.",
     RefusalCause.QUEUE_FULL: "Fusion was slower than the input.",
     RefusalCause.MESSAGE_LOST: "A message is missing between two of a topic with one publisher.",
+    RefusalCause.INTERNAL_ERROR: "An error in reflest itself; please report it.",
 }
 
 

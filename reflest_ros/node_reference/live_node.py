@@ -79,7 +79,7 @@ def _topics(node: Node) -> Iterator[OfferedTopic]:
 
 
 def _services(node: EstimatorNode) -> Iterator[OfferedService]:
-    for one in node.services_offered:
+    for one in node.offered.all:
         name = type_name(one.srv_type)
         if not name.startswith(STANDARD_PACKAGES):
             answer: Callable[..., Any] = one.callback

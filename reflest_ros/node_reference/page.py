@@ -35,13 +35,12 @@ without one. This page is written by `python -m reflest_ros.node_reference > doc
 code and from a node that runs; a test compares the two.
 """
 
-LOOKS = """\
-Preview, voxels, environment and markers are made at keyframes and on `~/estimate`, off the fusion
-thread, and only where someone subscribes; who comes later gets the last keyframe at once. RViz and
-Foxglove show them without plug-ins: `config/reflest.rviz`, `config/foxglove_layout.json`. The
-pictures are renders of these messages from the shipped capture by
-`python -m reflest_ros.demo.pictures`, not screenshots of a display.
-[environment.md](environment.md) says more of the light.
+VIEWS = """\
+Preview, voxels, environment and markers are made at keyframes and on `~/estimate`, outside the
+fusion thread, and only where someone subscribes; a late subscriber gets the last keyframe at once.
+RViz and Foxglove show them without plug-ins: `config/reflest.rviz`, `config/foxglove_layout.json`.
+`python -m reflest_ros.demo.pictures` renders the pictures below from the messages of the shipped
+capture; they are not screenshots. [environment.md](environment.md) describes the light.
 
 ![The sphere of the preview](images/view-preview.png)
 ![The cloud in its three colourings](images/view-voxels.png)
@@ -51,7 +50,7 @@ pictures are renders of these messages from the shipped capture by
 
 
 class UndescribedError(ReflestError):
-    """The node offers what nobody has described, or the description names what is not there."""
+    """The node offers something without a description, or a description has no counterpart."""
 
 
 def page(facts: NodeFacts) -> str:
@@ -61,7 +60,7 @@ def page(facts: NodeFacts) -> str:
         _lifecycle(),
         _inputs(),
         _outputs(facts),
-        LOOKS,
+        VIEWS,
         _estimate_message(),
         _services(facts),
         _parameters(),
@@ -130,9 +129,10 @@ def _services(facts: NodeFacts) -> str:
 
 def _parameters() -> str:
     parts = [
-        "## Parameters\n\n`config/estimator.yaml` holds them all with their defaults. *Live* ones "
-        "may change while the node runs; the others are read at its start. A value that cannot be "
-        "used is refused with the reason, and the old one stays.\n"
+        "## Parameters\n\n`config/estimator.yaml` holds them all with their defaults. The column "
+        "*set* says when a parameter may change. Several parameters in one request are checked "
+        "together before any takes effect. A value that cannot be used is refused with the reason, "
+        "and the old one stays.\n"
     ]
     groups: dict[str, list[NamedParameter]] = {}
     for parameter in all_parameters():
@@ -144,13 +144,13 @@ def _parameters() -> str:
                 f"`{_literal(one.default)}`",
                 one.info.unit,
                 _limits(one.info),
+                one.change.value,
                 one.info.description,
             )
             for one in members
         ]
-        live = " (live)" if members[0].is_live else ""
-        table = _table(("parameter", "default", "unit", "range", "what"), rows)
-        parts.append(f"### {group}{live}\n\n{table}")
+        table = _table(("parameter", "default", "unit", "range", "set", "what"), rows)
+        parts.append(f"### {group}\n\n{table}")
     return "\n".join(parts)
 
 
@@ -166,8 +166,8 @@ def _diagnostics(facts: NodeFacts) -> str:
     )
     return (
         "## Diagnostics\n\nThe level is WARN while something is wrong, and the message says what "
-        f"and what to turn. Numbers that are unknown are `nan`.\n\n{keys}\n### Causes of refusal\n"
-        "\nThe first refusal of each cause is a warning in the log, with the topic and the knob.\n"
+        f"and what to change. Unknown numbers are `nan`.\n\n{keys}\n### Causes of refusal\n"
+        "\nThe first refusal of each cause is a warning in the log, with topic and parameter.\n"
         f"\n{causes}"
     )
 
@@ -175,7 +175,7 @@ def _diagnostics(facts: NodeFacts) -> str:
 def _same(kind: str, offered: Iterable[object], described: Iterable[object]) -> None:
     for one in set(offered) ^ set(described):
         raise UndescribedError(
-            f"the {kind} {one} is offered or described, but not both: mend "
+            f"the {kind} {one} is offered or described, but not both: correct "
             "reflest_ros/node_reference/descriptions.py"
         )
 

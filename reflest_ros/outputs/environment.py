@@ -17,7 +17,7 @@ from reflest_core.environment.environment_map import EnvironmentMap, environment
 from reflest_core.environment.picture import coverage_codes, tone_mapped
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.scanner import KeyframeSnapshot
-from reflest_ros.outputs.stamp import ns_to_stamp
+from reflest_ros.inputs.core_messages import ns_to_stamp
 from reflest_ros.outputs.view_publisher import ViewPublisher
 from reflest_ros.outputs.view_settings import EnvironmentSettings, read_settings
 
@@ -25,7 +25,7 @@ TOPIC = "reflectance/environment"
 
 
 class Environment:
-    """Publishes three images; see :class:`reflest_ros.outputs.estimate_view.EstimateView`."""
+    """Publishes three images; see :class:`reflest_ros.outputs.estimate_output.EstimateView`."""
 
     def __init__(self, node: Node) -> None:
         self._node = node

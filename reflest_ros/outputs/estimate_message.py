@@ -14,9 +14,8 @@ from reflest_core.estimation.estimate import (
     EstimateStatus,
     status_from_number,
 )
-from reflest_ros.inputs.core_messages import stamp_to_ns
+from reflest_ros.inputs.core_messages import ns_to_stamp, stamp_to_ns
 from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
-from reflest_ros.outputs.stamp import ns_to_stamp
 
 HEADER_FIELDS = ("stamp_ns", "frame_id")
 

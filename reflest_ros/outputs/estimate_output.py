@@ -7,22 +7,59 @@ from __future__ import annotations
 import dataclasses
 import math
 import time
+import traceback
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 from rclpy.node import Node
 
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_core.estimation.scanner import KeyframeSnapshot
 from reflest_ros.inputs.qos import OUTPUT_QOS
 from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
-from reflest_ros.outputs.estimate_message import estimate_to_message
-from reflest_ros.outputs.estimate_view import EstimateView
+from reflest_ros.outputs.environment import Environment
+from reflest_ros.outputs.estimate_message import estimate_to_message, unknown_message
+from reflest_ros.outputs.markers import Markers
+from reflest_ros.outputs.preview import Preview
+from reflest_ros.outputs.voxel_cloud import VoxelCloud
 from reflest_ros.workers.fusion_worker import Keyframe
+
+
+class EstimateView(Protocol):
+    """A publisher that shows the state of a scan; made at configure, destroyed at cleanup.
+
+    No two methods run at once.
+    """
+
+    def show(self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None) -> None:
+        """Publish the state at a keyframe, in the estimation thread.
+
+        ``estimate`` is None where the keyframe shows too little for one.
+        """
+
+    def clear(self) -> None:
+        """Replace what was shown by nothing: a new scan begins."""
+
+    def destroy(self) -> None:
+        """Give the publishers back."""
+
+
+VIEWS: tuple[Callable[[Node], EstimateView], ...] = (Preview, VoxelCloud, Environment, Markers)
 
 
 @dataclass
 class EstimateCounts:
-    """What became of the keyframes. ``last_time``: ``time.monotonic``; NaN where none was."""
+    """Counters of keyframes and their estimates.
+
+    Attributes:
+        published: Estimates that were sent.
+        failed: Keyframes without one.
+        last_failure: The reason of the last of them.
+        last_latency: Seconds from the arrival of the last one's image to its publication.
+        last_time: When it was sent, ``time.monotonic``; NaN where none was.
+    """
 
     published: int = 0
     failed: int = 0
@@ -32,12 +69,18 @@ class EstimateCounts:
 
 
 class EstimateOutput:
-    """Publishes estimates; driven by the estimation worker, which runs one method at a time."""
+    """Publishes estimates; the estimation worker runs one of its methods at a time."""
 
-    def __init__(self, node: Node, views: list[EstimateView]) -> None:
+    def __init__(self, node: Node) -> None:
+        """Create the publishers; late subscribers find an estimate that is unknown.
+
+        Args:
+            node: The node.
+        """
         self.counts = EstimateCounts()
         self._node = node
-        self._views = views
+        self._failed_views: set[str] = set()
+        self._views = [view(node) for view in VIEWS]
         self._publisher = node.create_publisher(BrdfEstimateMessage, "reflectance/brdf", OUTPUT_QOS)
 
     @property
@@ -47,7 +90,15 @@ class EstimateOutput:
         return name
 
     def publish(self, keyframe: Keyframe, estimate: BrdfEstimate) -> BrdfEstimate:
-        """Send the estimate of ``keyframe``; return it with its latency."""
+        """Send an estimate.
+
+        Args:
+            keyframe: What it was made of.
+            estimate: The estimate.
+
+        Returns:
+            The estimate with its latency.
+        """
         estimate = dataclasses.replace(estimate, latency=time.monotonic() - keyframe.arrival)
         if self.counts.published == 0:
             self._node.get_logger().info(f"first estimate after {estimate.view_count} views")
@@ -55,21 +106,32 @@ class EstimateOutput:
         self.counts.published += 1
         self.counts.last_latency = estimate.latency
         self.counts.last_time = time.monotonic()
-        for view in self._views:
-            view.show(keyframe.snapshot, estimate)
+        self._show(keyframe, estimate)
         return estimate
 
-    def fail(self, keyframe: Keyframe, error: ReflestError) -> None:
-        """Count a keyframe that gave no estimate, and show the little there is."""
-        if self.counts.failed == 0:
-            self._node.get_logger().warning(f"no estimate at a keyframe: {error} (said once)")
+    def fail(self, keyframe: Keyframe, error: Exception) -> None:
+        """Count a keyframe that gave no estimate, and show what there is.
+
+        Args:
+            keyframe: The keyframe.
+            error: The reason.
+        """
+        log = self._node.get_logger()
+        if isinstance(error, ReflestError):
+            reason = str(error)
+            if self.counts.failed == 0:
+                log.warning(f"no estimate at a keyframe: {reason} (logged once)")
+        else:
+            reason = f"internal error, please report it: {error!r}"
+            if reason != self.counts.last_failure:
+                log.error("".join(traceback.format_exception(error)).rstrip())
         self.counts.failed += 1
-        self.counts.last_failure = str(error)
-        for view in self._views:
-            view.show(keyframe.snapshot, None)
+        self.counts.last_failure = reason
+        self._show(keyframe, None)
 
     def clear(self) -> None:
-        """Empty the views; the estimate on the topic stays until the next one."""
+        """Empty the views, and let the topic say that nothing is known of the new scan."""
+        self._publisher.publish(unknown_message())
         for view in self._views:
             view.clear()
 
@@ -78,3 +140,15 @@ class EstimateOutput:
         for view in self._views:
             view.destroy()
         self._node.destroy_publisher(self._publisher)
+
+    def _show(self, keyframe: Keyframe, estimate: BrdfEstimate | None) -> None:
+        """Show a keyframe; a view that fails is logged once and holds up nothing."""
+        for view in self._views:
+            try:
+                view.show(keyframe.snapshot, estimate)
+            except Exception as error:
+                name = type(view).__name__
+                if name not in self._failed_views:
+                    self._failed_views.add(name)
+                    trace = "".join(traceback.format_exception(error)).rstrip()
+                    self._node.get_logger().error(f"{name} cannot be shown: {trace}")

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 
 import numpy as np
@@ -17,8 +18,7 @@ from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 from reflest_core.estimation.scanner import KeyframeSnapshot
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.surface.observed_surface import ObservedSurface
-from reflest_ros.outputs.estimate_text import estimate_text
-from reflest_ros.outputs.stamp import ns_to_stamp
+from reflest_ros.inputs.core_messages import ns_to_stamp
 from reflest_ros.outputs.view_publisher import ViewPublisher
 from reflest_ros.outputs.view_settings import MOST_KEYFRAMES, MarkerSettings, read_settings
 
@@ -37,7 +37,7 @@ EDGES = ((0, 1), (0, 2), (0, 3), (0, 4), (1, 2), (2, 3), (3, 4), (4, 1))
 
 
 class Markers:
-    """Publishes the markers; see :class:`reflest_ros.outputs.estimate_view.EstimateView`."""
+    """Publishes the markers; see :class:`reflest_ros.outputs.estimate_output.EstimateView`."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -175,3 +175,30 @@ def _point(position: NDArray[np.floating]) -> Point:
 def _colour(rgb: tuple[float, float, float] | NDArray[np.float64]) -> ColorRGBA:
     red, green, blue = map(float, rgb)
     return ColorRGBA(r=red, g=green, b=blue, a=1.0)
+
+
+def estimate_text(estimate: BrdfEstimate | None) -> str:
+    """Write an estimate in a few short lines, for a display.
+
+    Args:
+        estimate: None where there is none yet.
+
+    Returns:
+        Values, standard deviations where they are known, coverage and warnings.
+    """
+    if estimate is None:
+        return "no estimate yet: scan more of the object"
+    red, green, blue = estimate.rho_d
+    lines = [
+        f"rho_d  {red:.3f} {green:.3f} {blue:.3f}{_deviation(max(estimate.rho_d_stddev))}",
+        f"rho_s  {estimate.rho_s:.3f}{_deviation(estimate.rho_s_stddev)}",
+        f"alpha  {estimate.alpha:.3f}{_deviation(estimate.alpha_stddev)}",
+        f"{estimate.coverage:.0%} of directions, {estimate.view_count} views",
+    ]
+    if estimate.status is not EstimateStatus.OK:
+        lines += f"{estimate.status.name}: {estimate.status_text}".split("; ")
+    return "\n".join(lines)
+
+
+def _deviation(stddev: float) -> str:
+    return "" if math.isnan(stddev) else f" ± {stddev:.3f}"

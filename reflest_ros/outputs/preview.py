@@ -12,7 +12,7 @@ from sensor_msgs.msg import Image
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.scanner import KeyframeSnapshot
 from reflest_core.rendering.sphere import render_point_light, tone_map
-from reflest_ros.outputs.stamp import ns_to_stamp
+from reflest_ros.inputs.core_messages import ns_to_stamp
 from reflest_ros.outputs.view_publisher import ViewPublisher
 from reflest_ros.outputs.view_settings import PreviewSettings, read_settings
 
@@ -24,7 +24,7 @@ EXPOSURE = 0.9
 
 
 class Preview:
-    """Publishes the sphere; see :class:`reflest_ros.outputs.estimate_view.EstimateView`."""
+    """Publishes the sphere; see :class:`reflest_ros.outputs.estimate_output.EstimateView`."""
 
     def __init__(self, node: Node) -> None:
         self._node = node

@@ -21,7 +21,7 @@ from reflest_core.rendering.voxel_colours import (
     observed_colours,
     view_count_colours,
 )
-from reflest_ros.outputs.stamp import ns_to_stamp
+from reflest_ros.inputs.core_messages import ns_to_stamp
 from reflest_ros.outputs.view_publisher import ViewPublisher
 from reflest_ros.outputs.view_settings import VoxelSettings, read_settings
 
@@ -46,7 +46,7 @@ FIELDS = [
 
 
 class VoxelCloud:
-    """Publishes the cloud; see :class:`reflest_ros.outputs.estimate_view.EstimateView`."""
+    """Publishes the cloud; see :class:`reflest_ros.outputs.estimate_output.EstimateView`."""
 
     def __init__(self, node: Node) -> None:
         self._node = node

@@ -1,56 +1,60 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""``~/pause`` and ``~/resume``: deactivate and activate, for those who speak no lifecycle."""
+"""``~/pause`` and ``~/resume``: deactivate and activate for clients without the lifecycle types."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from typing import Protocol
 
-from rclpy.lifecycle import LifecycleNode
+from lifecycle_msgs.msg import Transition
 from std_srvs.srv import Trigger
 
 from reflest_core.errors import ReflestError
-from reflest_ros.services.service_answer import answer_with
+from reflest_ros.services.answers import answer_with
+from reflest_ros.services.service_pool import ServicePool
+
+
+class ManagedNode(Protocol):
+    """What pausing needs of the node."""
+
+    @property
+    def is_active(self) -> bool | None:
+        """Whether it is active; None where it is not configured."""
+
+    def change(self, transition_id: int) -> None:
+        """Make a transition; raises :class:`ReflestError` with the reason why not."""
 
 
 class PauseServices:
-    """They take turns with the lifecycle's own services, in the executor's one thread.
+    """Both succeed where the node is in the wanted state already."""
 
-    ``is_active`` says whether the node is active, None while it is not configured. ``failure`` is
-    why the last transition failed.
-    """
+    def __init__(self, node: ManagedNode, pool: ServicePool) -> None:
+        """Create the services.
 
-    def __init__(
-        self,
-        node: LifecycleNode,
-        is_active: Callable[[], bool | None],
-        failure: Callable[[], ReflestError | None],
-    ) -> None:
+        Args:
+            node: The node.
+            pool: Answers them.
+        """
         self._node = node
-        self._is_active = is_active
-        self._failure = failure
-        node.create_service(Trigger, "~/pause", self.pause)
-        node.create_service(Trigger, "~/resume", self.resume)
+        pool.create(Trigger, "~/pause", self.pause)
+        pool.create(Trigger, "~/resume", self.resume)
 
     def pause(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Stop listening; the scan is kept."""
         return answer_with(
-            response, lambda: self._bring(False, self._node.trigger_deactivate, "paused")
+            response, lambda: self._bring(False, Transition.TRANSITION_DEACTIVATE, "paused")
         )
 
     def resume(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        """Listen again; the scan goes on."""
+        """Listen again; the scan continues."""
         return answer_with(
-            response, lambda: self._bring(True, self._node.trigger_activate, "scanning")
+            response, lambda: self._bring(True, Transition.TRANSITION_ACTIVATE, "scanning")
         )
 
-    def _bring(self, is_active: bool, trigger: Callable[[], Any], state: str) -> str:
-        if self._is_active() is None:
+    def _bring(self, is_active: bool, transition_id: int, state: str) -> str:
+        if self._node.is_active is None:
             raise ReflestError("the node is not configured: configure it first")
-        if self._is_active() == is_active:
+        if self._node.is_active == is_active:
             return f"{state} already"
-        trigger()
-        if failure := self._failure():
-            raise failure
+        self._node.change(transition_id)
         return state

@@ -1,10 +1,9 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""``~/reset``, ``~/save``, ``~/load`` and ``~/set_region``: what becomes of the scan."""
+"""``~/reset``, ``~/save``, ``~/load`` and ``~/set_region``: services that work on the scan."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
@@ -14,9 +13,10 @@ from std_srvs.srv import Trigger
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.scanner import Scanner
 from reflest_core.fusion.settings import RegionSettings
-from reflest_ros.region_parameters import set_region_parameters
-from reflest_ros.services.service_answer import answer_with, given_path
-from reflest_ros.services.waiting_services import WaitingServices
+from reflest_ros.parameters import set_region_parameters
+from reflest_ros.services.answers import answer_with
+from reflest_ros.services.file_access import FileAccess
+from reflest_ros.services.node_services import NodeServices
 from reflest_ros.srv import LoadScan, SaveScan, SetRegion
 from reflest_ros.workers.fusion_worker import FusionWorker
 
@@ -35,36 +35,39 @@ class Session(Protocol):
     fusion: FusionWorker
 
     def reset(self) -> None:
-        """Forget the scan; to be run through ``fusion.call``."""
+        """Begin a new scan; to be run through ``fusion.call_now``."""
 
     def load(self, path: Path) -> None:
-        """Go on from a file; to be run through ``fusion.call``."""
+        """Continue a saved scan."""
 
 
 class ScanServices:
-    """Each runs in the fusion thread, between two frames."""
+    """Reset, save, load and the region of interest."""
 
-    def __init__(self, node: Node, session: Session, waiting: WaitingServices) -> None:
+    def __init__(
+        self, node: Node, session: Session, files: FileAccess, pools: NodeServices
+    ) -> None:
+        """Create the services.
+
+        Args:
+            node: Holds the parameters of the region.
+            session: The scan.
+            files: The files that may be used.
+            pools: Answer the services.
+        """
         self._node = node
         self._session = session
-        waiting.create(Trigger, "~/reset", self.reset)
-        waiting.create(SaveScan, "~/save", self.save)
-        # Those that set parameters take turns with the node's own parameter services.
-        self._services = [
-            node.create_service(LoadScan, "~/load", self.load),
-            node.create_service(SetRegion, "~/set_region", self.set_region),
-        ]
-
-    def destroy(self) -> None:
-        """Take the node's services away."""
-        for service in self._services:
-            self._node.destroy_service(service)
+        self._files = files
+        pools.control.create(Trigger, "~/reset", self.reset)
+        pools.control.create(SetRegion, "~/set_region", self.set_region)
+        pools.control.create(LoadScan, "~/load", self.load)
+        pools.work.create(SaveScan, "~/save", self.save)
 
     def reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        """Forget the scan."""
+        """Begin a new scan; the old one is dropped."""
 
         def work() -> str:
-            self._between_frames(self._session.reset)
+            self._session.fusion.call_now(self._session.reset).result()
             return "the scan is empty"
 
         return answer_with(response, work)
@@ -73,24 +76,24 @@ class ScanServices:
         """Write the scan to a file."""
 
         def work() -> str:
-            path = given_path(request.path)
-            self._between_frames(lambda: self._session.scanner.save(path))
+            path = self._files.to_write(request.path)
+            scanner = self._session.scanner
+            self._session.fusion.call(lambda: scanner.save(path)).result()
             return f"saved {self._voxels} to {path}"
 
         return answer_with(response, work)
 
     def load(self, request: LoadScan.Request, response: LoadScan.Response) -> LoadScan.Response:
-        """Go on from a file, in its region of interest."""
+        """Continue a saved scan in its region of interest."""
 
         def work() -> str:
-            path = given_path(request.path)
-            self._between_frames(lambda: self._session.load(path))
+            path = self._files.to_read(request.path)
+            self._session.load(path)
             set_region_parameters(self._node, self._session.scanner.scan.region_settings)
             scan = self._session.scanner.scan
             return (
-                f"loaded {self._voxels} from {path}; it goes on with its own settings: voxels of "
-                f"{scan.fusion.voxel_size:g} m, {scan.fusion.memory_budget_mb:g} MB, region of "
-                f"interest {scan.region_settings.shape}"
+                f"loaded {self._voxels} from {path}; it continues with its own voxels of "
+                f"{scan.fusion.voxel_size:g} m and region of interest {scan.region_settings.shape}"
             )
 
         return answer_with(response, work)
@@ -98,14 +101,14 @@ class ScanServices:
     def set_region(
         self, request: SetRegion.Request, response: SetRegion.Response
     ) -> SetRegion.Response:
-        """Scan another region of interest; another one than now begins a new scan."""
+        """Scan another region of interest; this begins a new scan unless it is the current one."""
 
         def work() -> str:
             region = _region_of(request)
             is_new = region != self._session.scanner.scan.region_settings
             set_region_parameters(self._node, region)
             if not is_new:
-                return "this is the region already: the scan goes on"
+                return "this is the region already: the scan continues"
             kind = "no" if region.shape == "none" else f"a {region.shape} as"
             return f"a new scan begins, with {kind} region of interest"
 
@@ -114,9 +117,6 @@ class ScanServices:
     @property
     def _voxels(self) -> str:
         return f"{self._session.scanner.scan.voxel_count} voxels"
-
-    def _between_frames(self, work: Callable[[], None]) -> None:
-        self._session.fusion.call(work).result()
 
 
 def _region_of(request: SetRegion.Request) -> RegionSettings:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import functools
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -13,8 +14,8 @@ from typing import Protocol
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.scanner import KeyframeSnapshot
+from reflest_ros.threads import resolve, worker_thread
 from reflest_ros.workers.fusion_worker import Keyframe
-from reflest_ros.workers.worker_thread import worker_thread
 
 Estimate = Callable[[KeyframeSnapshot], BrdfEstimate]
 
@@ -23,26 +24,38 @@ class Output(Protocol):
     """Where estimates go; no two of its methods run at once."""
 
     def publish(self, keyframe: Keyframe, estimate: BrdfEstimate) -> BrdfEstimate:
-        """Send an estimate; return what was sent."""
+        """Send an estimate and return it as it was sent."""
 
-    def fail(self, keyframe: Keyframe, error: ReflestError) -> None:
-        """Hear of a keyframe without an estimate."""
+    def fail(self, keyframe: Keyframe, error: Exception) -> None:
+        """Take note of a keyframe without an estimate."""
 
     def clear(self) -> None:
-        """Forget what was sent."""
+        """Replace everything that was sent by what stands for nothing."""
 
 
 class EstimationWorker:
     """Estimates the newest keyframe and whatever is asked for.
 
     A keyframe that comes before the last one was begun takes its place: the topic shows the state
-    of the scan, not its history. ``skipped`` counts these.
+    of the scan, not its history.
+
+    Attributes:
+        skipped: Keyframes that a newer one replaced.
+        discarded: Keyframes that were dropped because their scan was left.
     """
 
     def __init__(
         self, estimate: Estimate, output: Output, on_crash: Callable[[BaseException], None]
     ) -> None:
+        """Prepare the thread.
+
+        Args:
+            estimate: Makes an estimate of a snapshot.
+            output: Publishes it.
+            on_crash: Called with what ended the thread.
+        """
         self.skipped = 0
+        self.discarded = 0
         self._estimate = estimate
         self._output = output
         self._output_lock = threading.Lock()
@@ -58,21 +71,35 @@ class EstimationWorker:
         self._thread.start()
 
     def stop(self) -> None:
-        """End the thread after the estimate in hand."""
+        """End the thread after the current estimate; the futures of waiting requests fail."""
         with self._changed:
             self._is_stopped = True
             self._changed.notify()
-        self._thread.join()
+        if self._thread.ident is not None:
+            self._thread.join()
+        while self._requests:
+            self._requests.popleft()[1].set_exception(_shutting_down())
 
     def offer(self, keyframe: Keyframe) -> None:
-        """Estimate this keyframe next."""
+        """Estimate this keyframe next.
+
+        Args:
+            keyframe: The newest one.
+        """
         with self._changed:
             self.skipped += self._keyframe is not None
             self._keyframe = keyframe
             self._changed.notify()
 
     def request(self, keyframe: Keyframe) -> Future[BrdfEstimate]:
-        """Estimate this snapshot before any keyframe; the future has the estimate or the reason."""
+        """Estimate this snapshot before any keyframe.
+
+        Args:
+            keyframe: The snapshot with the time of the request.
+
+        Returns:
+            A future with the estimate or with the reason that there is none; it always ends.
+        """
         future: Future[BrdfEstimate] = Future()
         with self._changed:
             if self._is_stopped:
@@ -83,8 +110,9 @@ class EstimationWorker:
         return future
 
     def forget(self) -> None:
-        """Publish nothing of what was scanned before this call, and clear what was shown."""
+        """Publish nothing of what was scanned before this call, and clear what was published."""
         with self._changed:
+            self.discarded += self._keyframe is not None
             self._keyframe = None
             self._generation += 1
         with self._output_lock:
@@ -94,36 +122,34 @@ class EstimationWorker:
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._is_stopped or self._requests or self._keyframe)
-                generation = self._generation
-                future = None
                 if self._is_stopped:
-                    break
+                    return
+                generation, future = self._generation, None
                 if self._requests:
                     keyframe, future = self._requests.popleft()
                 elif self._keyframe is not None:
                     keyframe, self._keyframe = self._keyframe, None
-            self._work(keyframe, future, generation)
-        for _, future in self._requests:
-            future.set_exception(_shutting_down())
-
-    def _work(
-        self, keyframe: Keyframe, future: Future[BrdfEstimate] | None, generation: int
-    ) -> None:
-        try:
-            estimate = self._estimate(keyframe.snapshot)
-        except ReflestError as error:
             if future is not None:
-                future.set_exception(error)
-                return
+                resolve(future, functools.partial(self._published, keyframe, generation))
+            else:
+                self._work(keyframe, generation)
+
+    def _work(self, keyframe: Keyframe, generation: int) -> None:
+        try:
+            self._published(keyframe, generation)
+        except Exception as error:  # of a user or of ours: the node goes on with the next keyframe
             with self._output_lock:
                 if generation == self._generation:
                     self._output.fail(keyframe, error)
-            return
+
+    def _published(self, keyframe: Keyframe, generation: int) -> BrdfEstimate:
+        """The estimate, published unless its scan was left meanwhile."""
+        estimate = self._estimate(keyframe.snapshot)
         with self._output_lock:
             if generation == self._generation:
-                estimate = self._output.publish(keyframe, estimate)
-        if future is not None:
-            future.set_result(estimate)
+                return self._output.publish(keyframe, estimate)
+            self.discarded += 1
+        return estimate
 
 
 def _shutting_down() -> ReflestError:

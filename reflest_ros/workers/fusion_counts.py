@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What fusion did so far, for the diagnostics."""
+"""Counters of the fusion thread, for the diagnostics."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass, field
 
 from reflest_core.capture.messages import Role
-from reflest_core.fusion.observations.exposure import exposure_drift
+from reflest_core.fusion.observations.exposure_drift import exposure_drift
 from reflest_core.fusion.scan import Scan
 
 
@@ -16,11 +16,23 @@ from reflest_core.fusion.scan import Scan
 class FusionCounts:
     """Written by the fusion worker, read by the diagnostics.
 
-    ``redundant``: frames among the fused that showed nothing new, so that nothing was done.
-    ``light_alone``: those that looked away from the object.
-    ``fill``: share of the store's budget in use. ``exposure_drift``: stops, NaN where unknown.
-    ``exposure_gain``: of the last frame, by :meth:`.LightMap.add_frame`. ``light_seen``: share of
-    all directions.
+    Attributes:
+        messages: Messages received by role.
+        matched: Colour images that found depth, calibration and pose.
+        fused: Frames that went into the scan.
+        redundant: Frames among the fused that showed nothing new, so that nothing was done.
+        light_alone: Frames among the fused that showed the surroundings only.
+        keyframes: Frames at which an estimate was due.
+        dropped: Messages that came while the queue was full.
+        discarded: Messages that waited when a reset or another region began a new scan.
+        voxels: Surface voxels in the store.
+        observations: Observations in the store.
+        views: Views in the store.
+        nbytes: Bytes reserved by the scan.
+        fill: Share of the store's budget in use, 0 to 1.
+        exposure_drift: Stops, NaN where unknown.
+        exposure_gain: Correction of the last frame, a factor on linear colour.
+        light_seen: Share of all directions in which the light was seen.
     """
 
     messages: dict[Role, int] = field(default_factory=lambda: dict.fromkeys(Role, 0))
@@ -30,6 +42,7 @@ class FusionCounts:
     light_alone: int = 0
     keyframes: int = 0
     dropped: int = 0
+    discarded: int = 0
     voxels: int = 0
     observations: int = 0
     views: int = 0
@@ -40,7 +53,11 @@ class FusionCounts:
     light_seen: float = 0.0
 
     def take_store(self, scan: Scan) -> None:
-        """Note how full the scan is."""
+        """Note how full the scan is.
+
+        Args:
+            scan: The current scan.
+        """
         self.voxels = scan.voxel_count
         self.observations = scan.observation_count
         self.views = scan.view_count
@@ -52,6 +69,10 @@ class FusionCounts:
             self.light_seen = 0.0
 
     def take_light(self, scan: Scan) -> None:
-        """Compare the views' brightness, sum up the light; a keyframe is often enough."""
+        """Compare the views' brightness and sum up the light; once a keyframe is enough.
+
+        Args:
+            scan: The current scan.
+        """
         self.exposure_drift = exposure_drift(scan.views)
         self.light_seen = scan.light.seen_share

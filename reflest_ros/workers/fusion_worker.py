@@ -1,12 +1,13 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The thread that owns the scan: messages in, keyframes out, and services between two frames."""
+"""The thread that owns the scan: messages in, keyframes out, and requests between two frames."""
 
 from __future__ import annotations
 
-import queue
 import threading
 import time
+import traceback
+from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass
@@ -18,18 +19,26 @@ from reflest_core.capture.messages import Role, SensorMessage
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
+from reflest_ros.threads import resolve, worker_thread
 from reflest_ros.workers.fusion_counts import FusionCounts
-from reflest_ros.workers.worker_thread import worker_thread
 
 MOST_ARRIVALS = 1000
 """Images whose time of arrival is remembered while they wait to be matched."""
+
+PATIENCE = 0.5
+"""Seconds that a request waits for earlier messages while further ones keep coming."""
 
 T = TypeVar("T")
 
 
 @dataclass(frozen=True)
 class Keyframe:
-    """A snapshot to estimate from; ``arrival`` is when its image came, ``time.monotonic``."""
+    """A snapshot to estimate from.
+
+    Attributes:
+        snapshot: A copy of the scan.
+        arrival: When its image or the request arrived, ``time.monotonic``.
+    """
 
     snapshot: KeyframeSnapshot
     arrival: float
@@ -44,20 +53,24 @@ class _Arrived:
 
 @dataclass(frozen=True)
 class _Job:
+    """Work between two frames.
+
+    ``after``: messages that were queued when it was asked for, to be fused before it. ``at``:
+    ``time.monotonic`` of the request.
+    """
+
     work: Callable[[], Any]
     future: Future[Any]
-
-    def run(self) -> None:
-        try:
-            self.future.set_result(self.work())
-        except Exception as error:  # raised again by the future's result(), where it is handled
-            self.future.set_exception(error)
+    after: int
+    at: float
 
 
 class FusionWorker:
     """Takes messages from the callbacks and drives the assembler and the scanner, alone.
 
-    ``settle_after``: seconds without a message after which waiting frames are settled.
+    A request waits for the messages that came before it, so that a scan is whole when it is asked
+    for; while messages keep coming it waits :data:`PATIENCE` at most, so that a node that is slower
+    than its input still answers.
     """
 
     def __init__(
@@ -69,96 +82,179 @@ class FusionWorker:
         queue_size: int,
         settle_after: float,
     ) -> None:
+        """Prepare the thread.
+
+        Args:
+            assembler: Makes frames of messages.
+            scanner: Fuses frames.
+            on_keyframe: Called in the thread with each keyframe.
+            on_crash: Called with what ended the thread.
+            queue_size: Messages that may wait.
+            settle_after: Seconds without a message after which waiting frames are used as they are.
+        """
         self.counts = FusionCounts()
         self._assembler = assembler
         self._scanner = scanner
         self._on_keyframe = on_keyframe
         self._queue_size = queue_size
         self._settle_after = settle_after
-        self._queue: queue.SimpleQueue[_Arrived | _Job | None] = queue.SimpleQueue()
+        self._messages: deque[_Arrived] = deque()
+        self._jobs: deque[_Job] = deque()
+        self._changed = threading.Condition()
+        self._queued = 0
+        self._taken = 0
         self._arrivals: dict[int, float] = {}
-        self._reported_drops = 0
+        self._unreported_drops = 0
         self._is_stopping = False
-        self._stop_lock = threading.Lock()
         self._thread = worker_thread("fusion", self._run, on_crash)
 
     @property
     def waiting(self) -> int:
-        """Messages and jobs in the queue."""
-        return self._queue.qsize()
+        """Messages and requests that wait."""
+        return len(self._messages) + len(self._jobs)
 
     def start(self) -> None:
         """Start the thread."""
         self._thread.start()
 
     def stop(self) -> None:
-        """End the thread after the frame in hand; what waits is dropped."""
-        with self._stop_lock:
+        """End the thread after the current frame; what waits is dropped, its futures fail."""
+        with self._changed:
             self._is_stopping = True
-        self._queue.put(None)
-        self._thread.join()
-        while not self._queue.empty():
-            item = self._queue.get()
-            if isinstance(item, _Job):
-                item.future.set_exception(_shutting_down())
+            self._changed.notify()
+        if self._thread.ident is not None:
+            self._thread.join()
+        self._messages.clear()
+        while self._jobs:
+            self._jobs.popleft().future.set_exception(_shutting_down())
 
     def offer(self, role: Role, message: SensorMessage) -> None:
-        """Queue a message, or count it as dropped where the queue is full."""
+        """Queue a message, or count it as dropped where the queue is full.
+
+        Args:
+            role: What the message is to the scan.
+            message: Its image bytes are not copied.
+        """
         self.counts.messages[role] += 1
-        if self._queue.qsize() >= self._queue_size:
-            self.counts.dropped += 1
-        else:
-            self._queue.put(_Arrived(role, message, time.monotonic()))
+        with self._changed:
+            if len(self._messages) >= self._queue_size:
+                self.counts.dropped += 1
+                self._unreported_drops += 1
+            else:
+                self._queued += 1
+                self._messages.append(_Arrived(role, message, time.monotonic()))
+                self._changed.notify()
 
     def refuse(self, refusal: FrameRefused) -> None:
-        """Count what could not even become a message, in its turn."""
-        self.call(lambda: self._assembler.refuse(refusal))
+        """Count what could not even become a message.
+
+        Args:
+            refusal: With the cause and the number of messages.
+        """
+        self.call_now(lambda: self._assembler.refuse(refusal))
 
     def call(self, work: Callable[[], T]) -> Future[T]:
-        """Run ``work`` in this thread after all that was queued before it."""
-        future: Future[T] = Future()
-        with self._stop_lock:
-            if self._is_stopping:
-                future.set_exception(_shutting_down())
-            else:
-                self._queue.put(_Job(work, future))
-        return future
+        """Run ``work`` in this thread after the messages that were queued before it.
+
+        Args:
+            work: Its result or exception becomes the future's.
+
+        Returns:
+            A future that always ends, with :class:`ReflestError` where the node shuts down.
+        """
+        return self._add(work, self._queued)
+
+    def call_now(self, work: Callable[[], T]) -> Future[T]:
+        """Run ``work`` in this thread after the current frame, as :meth:`call`.
+
+        Args:
+            work: Its result or exception becomes the future's.
+
+        Returns:
+            A future that always ends.
+        """
+        return self._add(work, 0)
 
     def snapshot(self) -> KeyframeSnapshot:
-        """Settle what waits and copy the scan; to be run through :meth:`call`."""
+        """Use what waits for its partners and copy the scan; to be run through :meth:`call`.
+
+        Returns:
+            The copy.
+        """
         self.settle()
         return self._scanner.snapshot()
 
     def settle(self) -> None:
         """Fuse what still waits for later messages; to be run through :meth:`call`."""
-        self._fuse(self._assembler.flush())
+        try:
+            frames = self._assembler.flush()
+        except Exception as error:
+            self._refuse_after(error, "a waiting frame")
+        else:
+            self._fuse(frames)
 
     def reset(self) -> None:
-        """Forget the scan and the waiting messages; to be run through :meth:`call`."""
+        """Drop the scan and the waiting messages; to be run through :meth:`call_now`."""
         self.forget_messages()
         self._scanner.reset()
         self.count_store()
 
     def forget_messages(self) -> None:
-        """Forget the waiting messages and how far time had come; to be run through :meth:`call`."""
+        """Drop the waiting messages and the latest time; to be run through :meth:`call_now`."""
+        with self._changed:
+            self._taken += len(self._messages)
+            self.counts.discarded += len(self._messages)
+            self._messages.clear()
         self._assembler.reset()
         self._arrivals.clear()
 
     def count_store(self) -> None:
-        """Bring the store's counts up to date; to be run through :meth:`call`."""
+        """Bring the store's counts up to date; to be run in this thread."""
         self.counts.take_store(self._scanner.scan)
 
+    def _add(self, work: Callable[[], T], after: int) -> Future[T]:
+        future: Future[T] = Future()
+        with self._changed:
+            if self._is_stopping:
+                future.set_exception(_shutting_down())
+            else:
+                self._jobs.append(_Job(work, future, after, time.monotonic()))
+                self._changed.notify()
+        return future
+
     def _run(self) -> None:
+        is_settled = False
         while not self._is_stopping:
-            try:
-                item = self._queue.get(timeout=self._settle_after)
-            except queue.Empty:
+            item = self._next(None if is_settled else self._settle_after)
+            is_settled = item is None
+            if item is None:
                 self.settle()
-                item = self._queue.get()
-            if isinstance(item, _Job):
-                item.run()
-            elif item is not None and not self._is_stopping:
+            elif isinstance(item, _Job):
+                resolve(item.future, item.work)
+            else:
                 self._take(item)
+
+    def _next(self, timeout: float | None) -> _Job | _Arrived | None:
+        """Wait for the next thing to do; None after ``timeout`` seconds without one."""
+        with self._changed:
+            while not self._is_stopping:
+                if (job := self._due_job()) is not None:
+                    self._jobs.remove(job)
+                    return job
+                if self._messages:
+                    self._taken += 1
+                    return self._messages.popleft()
+                if not self._changed.wait(timeout):
+                    break
+        return None
+
+    def _due_job(self) -> _Job | None:
+        now = time.monotonic()
+        for job in self._jobs:
+            is_late = now - job.at >= PATIENCE and self._queued > job.after
+            if job.after <= self._taken or is_late:
+                return job
+        return None
 
     def _take(self, arrived: _Arrived) -> None:
         if arrived.role is Role.RGB:
@@ -166,7 +262,12 @@ class FusionWorker:
             if len(self._arrivals) > MOST_ARRIVALS:
                 del self._arrivals[next(iter(self._arrivals))]
         self._report_drops()
-        self._fuse(self._assembler.add(arrived.role, arrived.message))
+        try:
+            frames = self._assembler.add(arrived.role, arrived.message)
+        except Exception as error:
+            self._refuse_after(error, f"a {arrived.role.value} message")
+        else:
+            self._fuse(frames)
 
     def _fuse(self, frames: list[Frame]) -> None:
         for frame in frames:
@@ -178,6 +279,9 @@ class FusionWorker:
             except FrameRefused as refusal:
                 self._assembler.refuse(refusal)
                 continue
+            except Exception as error:
+                self._refuse_after(error, f"the frame at {frame.stamp_ns / 1e9:.3f} s")
+                continue
             self.counts.fused += 1
             self.counts.redundant += scanned.fused.is_redundant
             self.counts.light_alone += scanned.fused.is_light_alone
@@ -187,15 +291,27 @@ class FusionWorker:
                 self.counts.take_light(self._scanner.scan)
             self.count_store()
 
+    def _refuse_after(self, error: Exception, what: str) -> None:
+        """Count an error in our own code: the node goes on with what comes next."""
+        trace = "".join(traceback.format_exception(error)).rstrip()
+        self._assembler.refuse(
+            FrameRefused(
+                RefusalCause.INTERNAL_ERROR,
+                f"{what} was dropped after an internal error, please report it: {trace}",
+            )
+        )
+
     def _report_drops(self) -> None:
-        while self._reported_drops < self.counts.dropped:
-            self._reported_drops += 1
+        with self._changed:
+            count, self._unreported_drops = self._unreported_drops, 0
+        if count:
             self._assembler.refuse(
                 FrameRefused(
                     RefusalCause.QUEUE_FULL,
-                    f"fusion is slower than the input: {self._queue_size} messages waited and a "
-                    "further one was dropped; raise fusion.voxel_size, lower the camera's rate or "
-                    "raise input.queue_size",
+                    f"fusion is slower than the input: {self._queue_size} messages waited and "
+                    "further ones were dropped; raise fusion.voxel_size, lower the camera's rate "
+                    "or raise input.queue_size",
+                    count,
                 )
             )
 

@@ -39,7 +39,8 @@ def _one_machine() -> Iterator[None]:
 @pytest.fixture(scope="session")
 def settings_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("settings") / "estimator.yaml"
-    path.write_text(SETTINGS)
+    root = tmp_path_factory.getbasetemp()
+    path.write_text(f"{SETTINGS}    files: {{root: {root}}}\n")
     return path
 
 

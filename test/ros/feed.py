@@ -62,7 +62,7 @@ class Feed:
         """Soon there must be a count of ``cause`` and one warning, both with ``words``."""
         peer = self.peer
         peer.wait_until(lambda: peer.count(f"refused {cause}") > 0, f"no {cause}", SOON)
-        warning = self.node.wait_for_line(rf"\(cause: {cause}; said once\)", SOON)
+        warning = self.node.wait_for_line(rf"\(cause: {cause}; logged once\)", SOON)
         peer.wait_until(
             lambda: all(word in peer.state for word in words), f"not in {peer.state}", SOON
         )

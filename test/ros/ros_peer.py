@@ -17,7 +17,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 
-from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 from reflest_ros.inputs.qos import OUTPUT_QOS
 from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
 from reflest_ros.outputs.estimate_message import estimate_from_message
@@ -35,6 +35,7 @@ class RosPeer:
     def __init__(self, domain_id: int, namespace: str = "") -> None:
         self._name = f"{namespace}{NODE}"
         self.estimates: list[BrdfEstimate] = []
+        self.unknown: list[BrdfEstimate] = []
         self.diagnostics: dict[str, str] = {}
         self.state = ""
         self.node_time = 0.0
@@ -134,7 +135,9 @@ class RosPeer:
 
     def _on_estimate(self, message: BrdfEstimateMessage) -> None:
         with self._changed:
-            self.estimates.append(estimate_from_message(message))
+            estimate = estimate_from_message(message)
+            known = estimate.status is not EstimateStatus.UNKNOWN
+            (self.estimates if known else self.unknown).append(estimate)
             self._changed.notify_all()
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:

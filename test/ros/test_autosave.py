@@ -1,11 +1,13 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A node that is killed in mid-scan goes on with the scan when it is started again."""
+"""A node that is killed in mid-scan continues the scan when it is started again."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
+import os
+import shutil
 import signal
 
 import pytest
@@ -14,7 +16,9 @@ from sphere_messages import messages_of
 from sphere_scene import views
 from std_srvs.srv import Trigger
 
+from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.scan_file import read_scan
+from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_ros.outputs.estimate_message import estimate_from_message
 from reflest_ros.srv import Estimate
 
@@ -79,7 +83,7 @@ def test_kill_and_resume(started, tmp_path):
     node, peer = started(path)
     assert "5 views" in node.wait_for_line("resumed the scan")
     assert estimate(peer) == before
-    assert list(tmp_path.iterdir()) == [path]
+    assert {one.name for one in tmp_path.iterdir()} == {path.name, ".scan.reflest.lock"}
     send(peer, second)
     peer.wait_until(lambda: saved_frames(path) == 8, "the scan did not go on")
 
@@ -90,20 +94,57 @@ def test_kill_and_resume(started, tmp_path):
     assert saved_frames(path) == 0
 
 
-def test_a_file_that_cannot_be_read_is_put_aside(started, tmp_path):
+def test_a_damaged_scan_is_set_aside(started, tmp_path):
     path = tmp_path / "scan.reflest"
-    path.write_bytes(b"no scan")
+    Scan(FusionSettings(memory_budget_mb=16.0), RegionSettings()).save(path)
+    damaged = path.read_bytes()[:-4000]
+    path.write_bytes(damaged)
     node, _ = started(path)
-    assert "a new scan begins" in node.wait_for_line("unreadable")
-    assert (tmp_path / "scan.reflest.unreadable").read_bytes() == b"no scan"
+    assert "a new scan begins" in node.wait_for_line("damaged")
+    (aside,) = tmp_path.glob("scan.reflest.damaged-*")
+    assert aside.read_bytes() == damaged
+
+
+@pytest.mark.parametrize("kind", ["folder", "other file", "unreadable", "fifo"])
+def test_what_is_no_scan_is_refused_and_stays(start, settings_file, tmp_path, kind):
+    path = tmp_path / "mine"
+    if kind == "folder":
+        path.mkdir()
+        (path / "precious").write_text("precious")
+    elif kind == "fifo":
+        os.mkfifo(path)
+    else:
+        path.write_text("precious")
+        path.chmod(0o000 if kind == "unreadable" else 0o640)
+    before = path.stat()
+    arguments = ("--params-file", settings_file, "-p", f"autosave.path:={path}")
+    node = start("reflest_ros.estimator", "--ros-args", *arguments)
+    assert node.exit_code(200.0) == 2, node.output
+    assert str(path) in node.output
+    assert "Traceback" not in node.output
+    after = path.stat()
+    assert (after.st_ino, after.st_mode, after.st_mtime) == (
+        before.st_ino,
+        before.st_mode,
+        before.st_mtime,
+    )
+
+
+def test_two_nodes_do_not_share_a_file(started, start, settings_file, tmp_path):
+    path = tmp_path / "scan.reflest"
+    started(path)
+    arguments = ("--params-file", settings_file, "-p", f"autosave.path:={path}")
+    second = start("reflest_ros.estimator", "--ros-args", *arguments, "-r", "__node:=second")
+    assert second.exit_code(200.0) == 2, second.output
+    assert "used by another node" in second.output
 
 
 def test_a_folder_that_goes_is_said_and_the_scan_goes_on(started, tmp_path):
     folder = tmp_path / "folder"
     folder.mkdir()
     node, peer = started(folder / "scan.reflest")
-    folder.rmdir()
+    shutil.rmtree(folder)
     send(peer, list(views(8))[:2])
-    assert str(folder) in node.wait_for_line("goes on without autosave")
+    assert str(folder) in node.wait_for_line("continues without autosave")
     peer.wait_until(lambda: "autosave fails" in peer.state, "diagnostics do not say so")
     assert estimate(peer)["voxel_count"] > 0

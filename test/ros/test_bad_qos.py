@@ -22,7 +22,7 @@ def quiet(feed):
 def test_the_warning_names_topic_policies_and_fix(feed, quiet):
     warning = feed.node.wait_for_line(f"{RGB} is not received", SOON)
     for words in (
-        " offers reliability best_effort while reliable is asked for",
+        " offers reliability best_effort while reliable is requested",
         f"Set input.reliability (or qos_overrides.{RGB}.subscription.reliability)",
         "best_effort",
     ):

@@ -2,24 +2,32 @@
 # SPDX-License-Identifier: Apache-2.0
 """A bag played over DDS, against ``reflest replay`` of the same bag; the services on the result.
 
-The tests of this module share one node and go on from one another's scan.
+The tests of this module share one node and continue each other's scan.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import json
+import math
+import statistics
 import subprocess
 import sys
+import time
 
 import pytest
 from own_process import ROOT
 from std_srvs.srv import Trigger
 
+from reflest_core.capture.open_capture import open_capture
+from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.settings import ReflestSettings
 from reflest_ros.outputs.estimate_message import estimate_from_message
 from reflest_ros.srv import Estimate, LoadScan, SaveScan
 
 FRAMES = 24
+MOST_LATENCY = 5.0
+"""Times the work itself: it shares the processors with the player and with this process."""
 
 
 @pytest.fixture(scope="module")
@@ -74,8 +82,19 @@ def test_every_published_estimate_is_one_of_replay(played, replayed):
         assert without_latency(estimate) == by_stamp[estimate.stamp_ns]
 
 
-def test_latency_is_known_and_small(played):
-    assert all(0.0 < estimate.latency < 5.0 for estimate in played)
+def test_latency_is_a_few_times_what_the_work_takes_offline(played, sphere_bag, settings_file):
+    """Fusion and estimate of the same keyframes on the same machine are the measure."""
+    scanner = Scanner(ReflestSettings.from_yaml(settings_file))
+    taken = []
+    for frame in open_capture(sphere_bag):
+        started = time.perf_counter()
+        keyframe = scanner.fuse(frame).keyframe
+        if keyframe is not None:
+            scanner.estimate(keyframe)
+            taken.append(time.perf_counter() - started)
+    latencies = [estimate.latency for estimate in played]
+    assert min(latencies) > 0.0
+    assert statistics.median(latencies) < MOST_LATENCY * statistics.median(taken)
 
 
 def test_nothing_was_lost_or_refused(played, peer):
@@ -109,6 +128,8 @@ def test_reset_empties_and_a_saved_scan_comes_back(played, peer, tmp_path):
     loaded = peer.call(LoadScan, "load", path=str(path))
     assert loaded.success, loaded.message
     after = estimate_from_message(peer.call(Estimate, "estimate").estimate)
+    # The agreement of depth images is measured again with the next frames.
+    before = dataclasses.replace(before, depth_agreement=math.nan)
     assert without_latency(after) == without_latency(before)
 
 

@@ -14,8 +14,8 @@ from rclpy.context import Context
 from rclpy.node import Node
 
 from reflest_core.estimation.settings import ReflestSettings
-from reflest_ros.node_name import NODE_NAME
 from reflest_ros.parameters import declare_parameters
+from reflest_ros.settings import NODE_NAME
 
 LAUNCH = ROOT / "launch" / "estimator.launch.py"
 CAMERAS = ("realsense", "azure_kinect", "orbbec", "tum")

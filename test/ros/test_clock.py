@@ -60,7 +60,7 @@ def test_a_bag_that_loops_is_fused_again(jumping, peer, resets):
 
     send(peer, PASS[:4])
     peer.wait_for_count("refused clock_jump", 1)
-    jumping.wait_for_line(r"\(cause: clock_jump; said once\)")
+    jumping.wait_for_line(r"\(cause: clock_jump; logged once\)")
     peer.wait_for_count("frames fused", len(PASS) + 2)
     if resets:
         peer.wait_until(lambda: 0 < peer.count("views") < len(PASS), "the old views are left")

@@ -14,7 +14,7 @@ from feed import SOON
 from sphere_messages import RGB, messages_of
 from sphere_scene import views
 
-from reflest_ros.recent_counts import RecentCounts
+from reflest_ros.scan_trends import RecentCounts
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +60,7 @@ def test_counts_and_ratio(scanned, peer):
 
 
 def test_a_store_at_its_budget_is_said_and_keeps_to_it(scanning, scanned, peer):
-    warning = scanning.wait_for_line(r"\(cause: store_full; said once\)", SOON)
+    warning = scanning.wait_for_line(r"\(cause: store_full; logged once\)", SOON)
     assert "fusion.memory_budget_mb" in warning
     assert "16 MB" in warning
     peer.wait_until(lambda: "budget of 16 MB" in peer.state, "it does not say so", SOON)
@@ -71,12 +71,12 @@ def test_a_store_at_its_budget_is_said_and_keeps_to_it(scanning, scanned, peer):
 
 
 def test_a_longer_exposure_is_said_in_stops(scanning, scanned, peer):
-    warning = scanning.wait_for_line(r"\(cause: exposure_drift; said once\)", SOON)
+    warning = scanning.wait_for_line(r"\(cause: exposure_drift; logged once\)", SOON)
     assert "brighter" in warning
     # 8-bit values times 0.9 / 0.4 are about (0.9 / 0.4) ** 2.2 in linear light.
     drift = float(peer.diagnostics["exposure drift (stops)"])
     assert drift == pytest.approx(2.2 * math.log2(0.9 / 0.4), abs=1.0)
-    assert "which is corrected" in warning
+    assert "are seen in the background and corrected" in warning
     correction = float(peer.diagnostics["exposure correction (stops)"])
     assert correction == pytest.approx(-2.2 * math.log2(0.9 / 0.4), abs=0.4)
 

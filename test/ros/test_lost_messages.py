@@ -46,7 +46,7 @@ def test_images_that_are_lost_on_the_way_are_counted(start, settings_file, peer)
         return peer.count("refused message_lost") > 0
 
     peer.wait_until(is_told, "no loss was counted")
-    warning = node.wait_for_line(r"\(cause: message_lost; said once\)")
+    warning = node.wait_for_line(r"\(cause: message_lost; logged once\)")
     for words in (RGB, "config/fastdds_large_messages.xml", "input.reliability"):
         assert words in warning
     assert node.is_running

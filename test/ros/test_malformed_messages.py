@@ -125,9 +125,9 @@ def test_the_node_outlives_them_and_fuses_what_comes_next(feed):
     assert len(refused) >= 6, refused
     for key in refused:
         cause = key.removeprefix("refused ")
-        assert len(feed.node.lines_with(rf"\(cause: {cause}; said once\)")) == 1
+        assert len(feed.node.lines_with(rf"\(cause: {cause}; logged once\)")) == 1
     assert {RGB, DEPTH, POSE, CAMERA_INFO} <= {
         topic
         for topic in (RGB, DEPTH, POSE, CAMERA_INFO)
-        if feed.node.lines_with(f"{topic}.*said once")
+        if feed.node.lines_with(f"{topic}.*logged once")
     }

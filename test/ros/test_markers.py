@@ -11,8 +11,7 @@ from visualization_msgs.msg import Marker
 
 from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.fusion.settings import RegionSettings
-from reflest_ros.outputs.estimate_text import estimate_text
-from reflest_ros.outputs.markers import camera_pyramid, marker_message
+from reflest_ros.outputs.markers import camera_pyramid, estimate_text, marker_message
 from reflest_ros.outputs.view_settings import MarkerSettings
 
 UP = np.array([0.0, 0.0, 1.0])

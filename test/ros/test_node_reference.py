@@ -57,7 +57,7 @@ def test_a_topic_that_nobody_described_is_an_error(change):
     topics = FACTS.topics[1:]
     if change == "more":
         topics = (*FACTS.topics, OfferedTopic("/reflectance/new", "a/msg/B", OUTPUT_QOS))
-    with pytest.raises(UndescribedError, match=r"mend .*descriptions\.py"):
+    with pytest.raises(UndescribedError, match=r"correct .*descriptions\.py"):
         page(dataclasses.replace(FACTS, topics=topics))
 
 

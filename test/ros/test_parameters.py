@@ -56,7 +56,8 @@ def test_every_parameter_is_described(node, peer):
         ("estimation.model", string("crystal-ball"), "grouplet-fast"),
         ("estimation.weights", string("/no/such/weights"), "/no/such/weights"),
         ("estimation.min_voxels", double(3.0), "type"),
-        ("fusion.voxel_size", double(0.02), "read-only"),
+        ("fusion.voxel_size", double(0.02), "while the node is unconfigured"),
+        ("autosave.period", double(1.0), "only when the node is started"),
     ],
 )
 def test_a_bad_value_is_refused_with_the_reason_and_the_old_one_kept(
@@ -105,7 +106,7 @@ def test_a_parameter_that_does_not_exist_is_named(start):
         "qos_overrides./x.subscription.depth:=1",
     )
     process.wait_for_line("waiting to be configured")
-    (warning,) = process.lines_with("is no parameter")
+    (warning,) = process.lines_with("is not a parameter")
     assert "fusion.voxelsize" in warning
     assert "fusion.voxel_size" in warning
 

@@ -13,26 +13,46 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.experimental import EventsExecutor
 from std_msgs.msg import String
 
-from reflest_ros.inputs.message_info import with_message_info
-from reflest_ros.inputs.publication_gaps import PublicationGaps
+from reflest_ros.inputs.publication_gaps import PublicationGaps, with_message_info
 
 
 @given(st.integers(1, 2**40), st.sets(st.integers(1, 200)))
 def test_every_number_between_two_that_came_is_lost(first, kept):
     gaps = PublicationGaps()
     came = [first, *(first + one for one in sorted(kept))]
-    lost = sum(gaps.lost_before(number) for number in came)
+    lost = sum(gaps.lost_before(number, float(time), 1) for time, number in enumerate(came))
     assert lost == came[-1] - first + 1 - len(came)
 
 
-def test_a_publisher_that_begins_anew_lost_nothing():
+def lost(numbers, publishers=1, seconds=1.0):
+    """Losses before each number, the messages that many seconds apart."""
     gaps = PublicationGaps()
-    assert [gaps.lost_before(number) for number in (7, 8, 1, 2, 4)] == [0, 0, 0, 0, 1]
+    return [gaps.lost_before(n, seconds * i, publishers) for i, n in enumerate(numbers)]
 
 
-def test_a_middleware_without_numbers_tells_of_no_loss():
+def test_a_publisher_that_restarts_lost_nothing():
+    assert lost((7, 8, 1, 2, 4)) == [0, 0, 0, 0, 1]
+
+
+def test_a_middleware_without_numbers_shows_no_loss():
+    assert lost((None, 5, None, 9)) == [0, 0, 0, 0]
+
+
+def test_numbers_of_several_publishers_are_not_compared():
+    assert lost((5, 200_000, 6, 200_001), publishers=2) == [0, 0, 0, 0]
+
+
+def test_a_gap_that_no_publisher_can_make_in_the_time_is_another_publishers():
+    assert lost((5, 200_005), seconds=1.0) == [0, 0]
+    assert lost((5, 9), seconds=0.01) == [0, 3]
+
+
+def test_numbers_are_not_compared_across_a_change_of_publishers():
     gaps = PublicationGaps()
-    assert [gaps.lost_before(number) for number in (None, 5, None, 9)] == [0, 0, 0, 0]
+    assert gaps.lost_before(5, 0.0, 1) == 0
+    gaps.begin()
+    assert gaps.lost_before(50, 1.0, 1) == 0
+    assert gaps.lost_before(52, 2.0, 1) == 1
 
 
 @pytest.mark.parametrize("make", [SingleThreadedExecutor, EventsExecutor])

@@ -30,7 +30,7 @@ def node(start, settings_file):
 def test_it_is_warned_of_once_and_the_next_frames_are_fused(feed: Feed):
     peer = feed.peer
     feed.send_good()
-    warning = feed.node.wait_for_line(r"\(cause: store_full; said once\)", SOON)
+    warning = feed.node.wait_for_line(r"\(cause: store_full; logged once\)", SOON)
     for words in ("its budget of 16 MB", "fusion.memory_budget_mb"):
         assert words in warning
     peer.wait_until(lambda: "its budget of 16 MB" in peer.state, "not in the state", SOON)

@@ -110,7 +110,7 @@ def test_poses_come_from_tf_and_what_lacks_is_named(start, settings_file, peer, 
     images = (RGB, DEPTH, CAMERA_INFO)
     played(start, bag, tf2, "--topics", *images)
     peer.wait_until(lambda: peer.count("refused transform_missing") == COUNT, "not refused", SOON)
-    warning = node.wait_for_line(r"\(cause: transform_missing; said once\)")
+    warning = node.wait_for_line(r"\(cause: transform_missing; logged once\)")
     for word in ("map", OPTICAL_FRAME, "tf has told nothing yet"):
         assert word in warning
     assert peer.count("frames fused") == 0

@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -234,10 +236,133 @@ def test_no_estimate_is_a_failure_at_a_keyframe_and_an_answer_to_a_request(estim
     assert not published.crashes
 
 
-def test_a_crash_is_handed_on(estimating):
+def test_an_internal_error_ends_a_future_and_the_next_keyframe_is_estimated(estimating):
     def estimate(snapshot):
-        raise ZeroDivisionError
+        if snapshot.stamp_ns < 3:
+            raise ZeroDivisionError
+        return ESTIMATE
 
-    _, published = estimating(estimate, 1)
-    assert published.crashed.wait(60)
-    assert isinstance(published.crashes[0], ZeroDivisionError)
+    worker, published = estimating(estimate)
+    with pytest.raises(ZeroDivisionError):
+        worker.request(keyframe(1)).result(60)
+    worker.offer(keyframe(2))
+    assert worker.request(keyframe(3)).result(60) is ESTIMATE
+    worker.stop()
+    assert [type(error) for error in published.failures] in ([], [ZeroDivisionError])
+    assert not published.crashes
+
+
+def test_a_request_that_waits_when_the_worker_stops_is_answered(estimating):
+    begun, release = threading.Event(), threading.Event()
+
+    def estimate(snapshot):
+        begun.set()
+        release.wait(60)
+        return ESTIMATE
+
+    worker, _ = estimating(estimate)
+    first = worker.request(keyframe(1))
+    assert begun.wait(60)
+    waiting = worker.request(keyframe(2))
+    stopping = threading.Thread(target=worker.stop)
+    stopping.start()
+    release.set()
+    stopping.join(60)
+    assert first.result(60) is ESTIMATE
+    with pytest.raises(ReflestError, match="shutting down"):
+        waiting.result(60)
+
+
+class SlowScanner:
+    """Takes a while for each frame, as a slow computer does."""
+
+    def __init__(self, seconds):
+        self._scanner = Scanner(ReflestSettings())
+        self._seconds = seconds
+
+    def fuse(self, frame):
+        time.sleep(self._seconds)
+        return self._scanner.fuse(frame)
+
+    def __getattr__(self, name):
+        return getattr(self._scanner, name)
+
+
+def test_a_request_is_answered_soon_while_more_comes_than_can_be_fused():
+    worker = FusionWorker(
+        FrameAssembler(CaptureSettings()),
+        SlowScanner(0.1),
+        lambda _: None,
+        crash_is_failure,
+        queue_size=400,
+        settle_after=0.05,
+    )
+    start = next(views(1)).stamp_ns
+    known = list(views(12))
+    is_over = threading.Event()
+
+    def flood():
+        sent = 0
+        while not is_over.wait(0.01):
+            sent += 1
+            offer(worker, dataclasses.replace(known[sent % 12], stamp_ns=start + sent * 10_000_000))
+
+    feeding = threading.Thread(target=flood)
+    worker.start()
+    feeding.start()
+    try:
+        time.sleep(1.0)
+        assert worker.waiting > 50
+        asked = time.monotonic()
+        assert worker.call(lambda: "answer").result(60) == "answer"
+        assert time.monotonic() - asked < 2.0
+        assert worker.call_now(lambda: "at once").result(60) == "at once"
+    finally:
+        is_over.set()
+        feeding.join()
+        worker.stop()
+
+
+def test_a_request_waits_for_everything_when_nothing_more_comes():
+    worker = FusionWorker(
+        FrameAssembler(CaptureSettings()),
+        SlowScanner(0.1),
+        lambda _: None,
+        crash_is_failure,
+        queue_size=400,
+        settle_after=0.05,
+    )
+    for view in views(12):
+        offer(worker, view)
+    worker.start()
+    assert worker.call(lambda: worker.counts.fused).result(60) == 12
+    worker.stop()
+
+
+def test_a_reset_drops_and_counts_what_waits(fusion):
+    worker, _, _ = fusion
+    for view in views(2):
+        offer(worker, view)
+    reset = worker.call_now(worker.reset)
+    worker.start()
+    reset.result(60)
+    assert worker.call(lambda: worker.counts.fused).result(60) == 0
+    assert worker.counts.discarded == 8
+
+
+def test_an_internal_error_in_fusion_refuses_the_frame_and_the_scan_continues(fusion):
+    worker, assembler, _ = fusion
+    first, second = views(2)
+    fuse = worker._scanner.fuse
+
+    def broken(frame):
+        worker._scanner.fuse = fuse
+        raise ZeroDivisionError("broken")
+
+    worker._scanner.fuse = broken
+    offer(worker, first)
+    offer(worker, second)
+    worker.start()
+    assert worker.call(lambda: worker.counts.fused).result(60) == 1
+    assert assembler.refusals.counts[RefusalCause.INTERNAL_ERROR] == 1
+    assert "broken" in assembler.refusals.first_message[RefusalCause.INTERNAL_ERROR]

@@ -6,24 +6,32 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Protocol, TypeVar
 
 from reflest_core.errors import ReflestError
 
 
-class Answer(Protocol):
-    """What every response holds."""
+class Response(Protocol):
+    """The fields of every response."""
 
     success: bool
     message: str
 
 
-AnyAnswer = TypeVar("AnyAnswer", bound=Answer)
+AnyResponse = TypeVar("AnyResponse", bound=Response)
 
 
-def answer_with(response: AnyAnswer, work: Callable[[], str]) -> AnyAnswer:
-    """Fill ``response`` with what ``work`` says, or with why it failed, and the time it took."""
+def answer_with(response: AnyResponse, work: Callable[[], str]) -> AnyResponse:
+    """Do the work of a service and fill in its response.
+
+    Args:
+        response: Its ``duration`` in seconds is filled in where it has one.
+        work: Returns what was done in one sentence; a :class:`ReflestError` or OSError of it is the
+            reason that nothing was.
+
+    Returns:
+        The response.
+    """
     started = time.monotonic()
     try:
         response.message = work()
@@ -34,10 +42,3 @@ def answer_with(response: AnyAnswer, work: Callable[[], str]) -> AnyAnswer:
     if hasattr(response, "duration"):
         response.duration = time.monotonic() - started
     return response
-
-
-def given_path(text: str) -> Path:
-    """The path that a request names; :class:`ReflestError` where it names none."""
-    if not text:
-        raise ReflestError("the request's path is empty: name a file on the node's machine")
-    return Path(text).expanduser()

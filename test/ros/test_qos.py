@@ -8,7 +8,7 @@ import pytest
 from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from reflest_ros.inputs.qos_problem import qos_problem, unseen_problem
+from reflest_ros.inputs.qos import qos_problem, unseen_problem
 
 RELIABLE, BEST_EFFORT = ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT
 VOLATILE, LATCHED = DurabilityPolicy.VOLATILE, DurabilityPolicy.TRANSIENT_LOCAL
@@ -35,14 +35,14 @@ def test_a_best_effort_publisher_of_a_reliable_subscriber():
     problem = qos_problem("/rgb", [publisher(BEST_EFFORT, VOLATILE)], qos(RELIABLE, VOLATILE))
     assert problem == (
         "/rgb is not received: /camera/driver offers reliability best_effort while reliable is "
-        "asked for. Set input.reliability (or qos_overrides./rgb.subscription.reliability) to "
+        "requested. Set input.reliability (or qos_overrides./rgb.subscription.reliability) to "
         "best_effort, or let the publisher be reliable"
     )
 
 
 def test_a_volatile_publisher_of_a_latched_subscriber():
     problem = qos_problem("/tf_static", [publisher(RELIABLE, VOLATILE)], qos(RELIABLE, LATCHED))
-    assert "offers durability volatile while transient_local is asked for" in problem
+    assert "offers durability volatile while transient_local is requested" in problem
     assert "qos_overrides./tf_static.subscription.durability to volatile" in problem
 
 
