@@ -20,6 +20,7 @@ ALL_PARTS = (
     "ablation",
     "realism",
     "realism-training",
+    "stability",
     "latency",
     "time-accuracy",
     "eight-bit",
@@ -42,7 +43,10 @@ def add_parser(subparsers: Any) -> None:
         "evaluate", help="measure the networks on SynBRDF: tables, plots and pictures"
     )
     parser.add_argument(
-        "data", type=Path, nargs="?", help="folder written by 'reflest synbrdf generate'"
+        "data",
+        type=Path,
+        nargs="?",
+        help="folder written by 'reflest synbrdf generate'; for the part stability: of captures",
     )
     parser.add_argument(
         "--quick",
@@ -57,7 +61,8 @@ def add_parser(subparsers: Any) -> None:
         metavar="PART",
         help=f"which to measure, of {', '.join(ALL_PARTS)}; none: write the page alone; default: "
         "all, but ablation only with --ablation, realism-training with --unhardened, look-around "
-        "with --environments, held-out-lights with --held-out",
+        "with --environments, held-out-lights with --held-out, stability (of captures) where it is "
+        "named",
     )
     parser.add_argument(
         "--runs", type=Path, help="folder of trained variants; default: the shipped weights"
@@ -153,6 +158,7 @@ def _wanted(arguments: argparse.Namespace) -> list[str]:
         "realism-training": arguments.unhardened,
         "look-around": arguments.environments,
         "held-out-lights": arguments.held_out,
+        "stability": False,
     }
     return [part for part in ALL_PARTS if given.get(part, True)]
 

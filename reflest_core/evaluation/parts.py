@@ -40,6 +40,7 @@ from reflest_core.evaluation.studies.size_and_latency import (
     measure_latency,
     measure_time_accuracy,
 )
+from reflest_core.evaluation.studies.stability import find_captures, measure_stability
 from reflest_core.evaluation.studies.study import Study
 from reflest_core.evaluation.studies.view_study import measure_views
 from reflest_core.evaluation.table_2 import measure_table_2, measure_table_3
@@ -179,6 +180,10 @@ def _look_around(study: Study) -> Figures:
     )
 
 
+def _stability(study: Study) -> Figures:
+    return measure_stability(find_captures(study.settings.data)[: study.settings.limit])
+
+
 def _time_accuracy(study: Study) -> Figures:
     return measure_time_accuracy(require_lightnet(study.networks), _few_samples(study))
 
@@ -197,6 +202,7 @@ PARTS: dict[str, Callable[[Study], Figures]] = {
     "ablation": _ablation,
     "realism": _realism,
     "realism-training": _realism_training,
+    "stability": _stability,
     "latency": lambda study: measure_latency(study.networks, study.splits["validation"]),
     "time-accuracy": _time_accuracy,
     "eight-bit": lambda study: measure_eight_bit(study.networks, _few_samples(study)),

@@ -41,10 +41,10 @@ def provenance_of(command: str, data: Path) -> Provenance:
 
     Args:
         command: The command line.
-        data: Folder of the data set.
+        data: Folder of the data set, or of captures.
 
     Raises:
-        EvaluationError: the folder holds no data set.
+        EvaluationError: the folder holds neither.
     """
     return Provenance(command, _commit(), _describe(data))
 
@@ -109,6 +109,8 @@ def _commit() -> str:
 
 def _describe(data: Path) -> str:
     path = data / MANIFEST
+    if not path.exists() and (captures := list(data.glob("**/metadata.yaml"))):
+        return f"{len(captures)} captures" if len(captures) > 1 else "one capture"
     try:
         manifest = json.loads(path.read_text())
         environments, meshes = len(manifest["environments"]), len(manifest["meshes"])

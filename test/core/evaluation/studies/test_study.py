@@ -49,7 +49,7 @@ def out(data, runs, unhardened, tmp_path_factory):
         patch.setattr(parts, "RENDERED", 3)
         patch.setattr(parts, "FEW_SCENES", 3)
         patch.setattr(view_study, "VIEW_COUNTS", (5, 20, 30))
-        elsewhere = ("quick", "ablation", "look-around", "held-out-lights")
+        elsewhere = ("quick", "ablation", "look-around", "held-out-lights", "stability")
         wanted = [part for part in parts.PARTS if part not in elsewhere]
         options = ["--out", str(folder), "--runs", str(runs), "--unhardened", str(unhardened)]
         options += ["--optimised", "2"]
