@@ -44,7 +44,14 @@ class GlossFit:
         return self.weight_by(EVIDENCE)
 
     def weight_by(self, evidence: float) -> NDArray[np.float32]:
-        """The same, were this share of the observations to err each for itself."""
+        """Weigh the roughnesses by their misfits.
+
+        Args:
+            evidence: share of the observations that count as independent.
+
+        Returns:
+            (K,) float32, summing to 1.
+        """
         return likelihood(self.misfit, evidence * float(self.count.max()))
 
     @property
@@ -60,7 +67,14 @@ def fit_gloss(
     lobes: NDArray[np.float32],
     voxel_of: NDArray[np.int64],
 ) -> GlossFit:
-    """``colours``, ``clipped``: (O, 3), linear. ``lobes``: (O, K, 5). ``voxel_of``: (O,) rising."""
+    """Fit ``rho_s`` at each of K roughnesses by IRLS.
+
+    Args:
+        colours: (O, 3) linear.
+        clipped: (O, 3) True where a channel is saturated.
+        lobes: (O, K, 5) of :func:`~.ward_lobe.lobe_radiance`.
+        voxel_of: (O,) rising; every voxel has a diffuse radiance of its own.
+    """
     voxels = int(voxel_of[-1]) + 1 if len(voxel_of) else 0
     fits = [
         fit_roughness(colours, clipped, lobes, roughness, voxel_of, voxels)

@@ -42,9 +42,18 @@ def fit_roughness(
     voxel_of: NDArray[np.int64],
     voxels: int,
 ) -> tuple[float, float, float, float]:
-    """``rho_s``, its deviation, the misfit and how many observations counted.
+    """Fit ``rho_s`` at one roughness by IRLS.
 
-    ``colours``, ``clipped``: (O, 3), linear. ``lobes``: (O, K, 5). ``voxel_of``: (O,).
+    Args:
+        colours: (O, 3) linear.
+        clipped: (O, 3) True where a channel is saturated.
+        lobes: (O, K, 5) of :func:`~.ward_lobe.lobe_radiance`.
+        roughness: index of the roughness.
+        voxel_of: (O,) rising.
+        voxels: number of voxels.
+
+    Returns:
+        ``rho_s``, its standard deviation, the misfit and how many observations counted.
     """
     trust = np.zeros(len(colours))
     for o in range(len(colours)):

@@ -120,13 +120,21 @@ def _infer_jointly(
 
 
 def seen_light(surface: ObservedSurface) -> ObservedLight:
-    """The light that a surface was seen in; :func:`assumed_light` where none of it was seen."""
+    """Return the light that a surface was seen in; :func:`assumed_light` where none was seen.
+
+    Args:
+        surface: with or without light.
+    """
     light = surface.light
     return assumed_light(surface) if light is None or not light.coverage.any() else light
 
 
 def assumed_light(surface: ObservedSurface) -> ObservedLight:
-    """Grey light from everywhere, as strong as would make the surface of usual albedo."""
+    """Assume grey light from everywhere, as strong as gives the surface the usual albedo.
+
+    Args:
+        surface: its mean colour sets the strength.
+    """
     brightness = float(srgb.LINEAR[surface.colours].mean()) if len(surface.colours) else 0.0
     radiance = np.full((SIZE, SIZE, 3), brightness / USUAL_ALBEDO, np.float32)
     coverage = np.full((SIZE, SIZE), ASSUMED_COVERAGE, np.float32)

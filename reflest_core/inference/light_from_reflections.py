@@ -54,10 +54,18 @@ def infer_light_by_gloss(
     albedo: NDArray[np.float32],
     priors: Sequence[LightPrior] = (BRIGHT,),
 ) -> list[InferredLight]:
-    """Explain the ``sample``'s colours, highlights and all, under each prior.
+    """Explain the colours of a sample, highlights included, under each prior.
 
-    ``response``: of the sample's voxels. ``reflection``: of its observations, at the roughness that
-    ``gloss`` expects. ``albedo``: (3,) to begin with.
+    Args:
+        sample: observations.
+        response: of the sample's voxels to diffuse light.
+        reflection: of its observations, at the roughness that ``gloss`` expects.
+        gloss: fitted under the light that was seen.
+        albedo: (3,) ``rho_d`` to begin with.
+        priors: of the light; each fit after the first begins where the one before ended.
+
+    Returns:
+        The light by each prior.
     """
     rho_s = float(gloss.weight @ gloss.gloss)
     channels = []

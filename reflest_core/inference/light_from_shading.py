@@ -37,12 +37,14 @@ ChannelLight = tuple[NDArray[np.float64], float, float, float]
 
 @dataclass(frozen=True)
 class InferredLight:
-    """What the surface tells; all float32.
+    """The light that a material's colours give; P patches, all float32.
 
-    ``unseen``: (P, 3), factor to each patch's smooth fill. ``excess``: (P, 3), radiance above white
-    where a patch was clipped. ``albedo``: (3,), the ``rho_d`` that goes with it. ``deviation``:
-    (3,), the standard deviation of ``log rho_d`` that it leaves. ``misfit``: (3,), root mean square
-    of the colours' relative errors.
+    Attributes:
+        unseen: (P, 3) factor to each patch's smooth fill.
+        excess: (P, 3) radiance above white where a patch was clipped.
+        albedo: (3,) the ``rho_d`` that goes with it.
+        deviation: (3,) standard deviation of ``log rho_d``.
+        misfit: (3,) root mean square of the colours' relative errors.
     """
 
     unseen: NDArray[np.float32]
@@ -53,7 +55,11 @@ class InferredLight:
 
     @staticmethod
     def of(channels: list[ChannelLight]) -> InferredLight:
-        """Three channels as one."""
+        """Join three channels.
+
+        Args:
+            channels: red, green, blue.
+        """
         factors, *scalars = (np.array(parts, np.float32) for parts in zip(*channels, strict=True))
         return InferredLight(factors[:, :PATCHES].T, factors[:, PATCHES:].T, *scalars)
 
@@ -61,7 +67,13 @@ class InferredLight:
 def infer_from_shading(
     response: PatchResponse, colours: NDArray[np.float32], prior: LightPrior = BRIGHT
 ) -> InferredLight:
-    """Explain diffuse ``colours`` (V, 3), linear; those at 1 say nothing."""
+    """Explain the diffuse colours of a material by light in patches.
+
+    Args:
+        response: of V voxels to diffuse light.
+        colours: (V, 3) linear, without highlights; saturated ones do not count.
+        prior: of the light.
+    """
     return InferredLight.of(
         [
             _infer_channel(response, colours[:, channel], channel, prior.of_channel(channel))

@@ -34,10 +34,13 @@ Expected = tuple[float, float]
 
 @dataclass(frozen=True)
 class LightPrior:
-    """What a patch holds, by where it is.
+    """Mean and standard deviation of what a patch of light holds, by where it is.
 
-    ``above``, ``beside``, ``below``: unseen light of patches there, in multiples of its smooth
-    fill. ``excess``: radiance above white where clipped, in multiples of white.
+    Attributes:
+        above: unseen light of patches above the horizon, in multiples of its smooth fill.
+        beside: of patches at the horizon.
+        below: of patches below it.
+        excess: radiance above white where clipped, in multiples of white.
     """
 
     above: Expected
@@ -46,7 +49,11 @@ class LightPrior:
     excess: Expected = (4.0, 16.0)
 
     def of_channel(self, channel: int) -> LightPrior:
-        """The same of one colour channel, with the :data:`HUE` of what is above."""
+        """Apply the usual :data:`HUE` of light from above.
+
+        Args:
+            channel: 0, 1, 2 for red, green, blue.
+        """
         return _of_hue(self, HUE[channel])
 
     @cached_property
@@ -82,7 +89,14 @@ DIM = LightPrior((2.0, 4.0), (1.5, 2.7), (1.0, 1.3), (4.0, 21.0))
 
 
 def which_matter(columns: NDArray[np.floating]) -> NDArray[np.bool_]:
-    """(1 + 2 P,): of which unknowns a system with ``columns`` (R, 1 + 2 P) says anything."""
+    """Find the unknowns that the observations respond to.
+
+    Args:
+        columns: (R, 1 + 2 P) responses to the albedo and to each part of the light.
+
+    Returns:
+        (1 + 2 P,) True where the response is not negligible; always for the albedo.
+    """
     strongest = columns.max(axis=0, initial=0.0)
     matters = strongest > NEGLIGIBLE * max(float(strongest.max()), 1e-9)
     matters[0] = True
@@ -93,18 +107,34 @@ def which_matter(columns: NDArray[np.floating]) -> NDArray[np.bool_]:
 class Unknowns:
     """``rho_d`` of one channel and, in units of it, what each patch of light holds.
 
-    ``matters``: see :func:`which_matter`.
+    Attributes:
+        matters: (1 + 2 P,) of :func:`which_matter`.
+        prior: of the light.
     """
 
     matters: NDArray[np.bool_]
     prior: LightPrior
 
     def expected(self, albedo: float) -> Array:
-        """What the prior expects at this ``rho_d``, of the unknowns that matter."""
+        """Return the unknowns' prior mean.
+
+        Args:
+            albedo: ``rho_d`` of the channel.
+
+        Returns:
+            (U,) of the unknowns that matter.
+        """
         return albedo * np.concatenate([[1.0], self.prior.mean])[self.matters]
 
     def factors(self, found: Array) -> Array:
-        """(2 P,): what each patch holds; the prior's mean where nothing is said of it."""
+        """Return what each patch holds.
+
+        Args:
+            found: (U,) the unknowns that matter.
+
+        Returns:
+            (2 P,); the prior's mean where the observations do not respond.
+        """
         factors = self.prior.mean.copy()
         factors[self.matters[1:]] = found[1:] / max(float(found[0]), 1e-3)
         return factors
@@ -116,11 +146,16 @@ class Unknowns:
         weight: NDArray[np.floating],
         start: Array,
     ) -> tuple[Array, Array]:
-        """The unknowns under prior and data, none negative, and the whole system's matrix.
+        """Find the nonnegative unknowns that are most likely under prior and observations.
 
-        ``columns``: (R, U), answers to the unknowns that matter. ``target``, ``weight``: (R,), what
-        they should add up to, and its inverse variance. ``start``: the last answer, whose albedo
-        sets the prior's widths.
+        Args:
+            columns: (R, U) responses to the unknowns that matter.
+            target: (R,) what they should add up to.
+            weight: (R,) its inverse variance.
+            start: (U,) the last solution, whose albedo sets the prior's widths.
+
+        Returns:
+            The unknowns (U,) and the normal matrix (U, U), prior included.
         """
         root = np.sqrt(weight).astype(np.float32)
         weighted = columns * root[:, None]
@@ -139,7 +174,12 @@ class Unknowns:
 
 
 def log_albedo_deviation(found: Array, matrix: Array) -> float:
-    """The standard deviation of ``log rho_d`` that the system leaves."""
+    """Return the standard deviation of ``log rho_d``.
+
+    Args:
+        found: (U,) the solution.
+        matrix: (U, U) the normal matrix.
+    """
     free = found > 0.0
     free[0] = True
     corner = np.eye(int(free.sum()), 1)[:, 0]

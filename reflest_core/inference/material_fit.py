@@ -48,13 +48,27 @@ class MaterialFit:
 def fit_material(
     apparent: NDArray[np.float32], lobe: NDArray[np.float32], weight: NDArray[np.float32]
 ) -> MaterialFit:
-    """``apparent``: (O, 3). ``lobe``: (O, K, 3). ``weight``: (O, 3), 0 where clipped."""
+    """Fit ``rho_d`` and ``rho_s`` at each of K roughnesses by IRLS.
+
+    Args:
+        apparent: (O, 3) linear colour over diffuse light ``E(n) / pi``.
+        lobe: (O, K, 3) reflected radiance at ``rho_s = 1`` over diffuse light.
+        weight: (O, 3) of each observation, 0 where saturated.
+    """
     albedo, gloss, misfit = _fit(apparent, lobe, weight)
     return MaterialFit(albedo, gloss, misfit, likelihood(misfit, SHARPNESS))
 
 
 def likelihood(misfit: NDArray[np.float32], sharpness: float) -> NDArray[np.float32]:
-    """(K,) shares that sum to 1, as the inverse of ``misfit`` to the power of ``sharpness``."""
+    """Weigh roughnesses by their misfits.
+
+    Args:
+        misfit: (K,) in units of what is expected.
+        sharpness: power of the misfit's inverse.
+
+    Returns:
+        (K,) float32, summing to 1.
+    """
     known = np.maximum(misfit, np.float32(1e-3))
     likely = (known / known.min()) ** -sharpness
     return np.asarray(likely / likely.sum(), np.float32)

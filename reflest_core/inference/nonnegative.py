@@ -18,11 +18,18 @@ TOLERANCE = 1e-4
 def nonnegative_minimum(
     matrix: NDArray[np.float64], vector: NDArray[np.float64], start: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """The ``x >= 0`` (N,) that minimises ``x' matrix x / 2 - vector' x``.
+    """Minimise ``x' matrix x / 2 - vector' x`` over ``x >= 0``.
 
-    ``matrix``: (N, N) positive definite. ``start``: (N,), where to begin. Every unknown in turn
-    takes its best value while the others stay (Franc et al. 2005, "Sequential Coordinate-wise
-    Algorithm for the Non-negative Least Squares Problem").
+    Every unknown in turn takes its best value while the others stay (Franc et al. 2005, "Sequential
+    Coordinate-wise Algorithm for the Non-negative Least Squares Problem").
+
+    Args:
+        matrix: (N, N) positive definite.
+        vector: (N,).
+        start: (N,) where to begin.
+
+    Returns:
+        (N,) the minimum.
     """
     x = np.maximum(start, 0.0)
     slope = -vector

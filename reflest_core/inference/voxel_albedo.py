@@ -131,7 +131,12 @@ def voxel_albedo(
 
 
 def lobe_level(light: LightPyramid, alpha: float) -> int:
-    """The pyramid's level whose texels are about as wide as the spacing of a lobe's samples."""
+    """Choose the pyramid's level whose texels are about as wide as the spacing of a lobe's samples.
+
+    Args:
+        light: the pyramid.
+        alpha: roughness.
+    """
     spacing = 4.0 * alpha / math.sqrt(RINGS * SECTORS)
     texel = math.sqrt(4.0 * math.pi) / len(light.levels[0])
     return int(np.clip(math.log2(max(spacing / texel, 1.0)), 0, 2))

@@ -46,7 +46,12 @@ def renumbered(labels: NDArray[np.int64]) -> NDArray[np.int64]:
 
 @compiled
 def find_root(parents: NDArray[np.int64], vertex: int) -> int:
-    """The representative of a vertex's set; halves the path to it (Tarjan's disjoint sets)."""
+    """Find the representative of a vertex's set, halving the path to it (Tarjan's disjoint sets).
+
+    Args:
+        parents: (V,) of each vertex; changed.
+        vertex: whose set.
+    """
     while parents[vertex] != vertex:
         parents[vertex] = parents[parents[vertex]]
         vertex = parents[vertex]

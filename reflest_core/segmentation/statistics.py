@@ -41,7 +41,11 @@ class VoxelColours:
         return np.asarray(np.log((bright + DARK) / (dark + DARK)), np.float32)
 
     def of(self, voxels: NDArray[np.int64]) -> VoxelColours:
-        """The quantiles of the chosen voxels."""
+        """Select voxels.
+
+        Args:
+            voxels: (N,) indices.
+        """
         return VoxelColours(self.low[voxels], self.median[voxels], self.high[voxels])
 
 

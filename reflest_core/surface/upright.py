@@ -14,7 +14,12 @@ from reflest_core.surface.observed_surface import ObservedSurface
 
 
 def upright(surface: ObservedSurface, up: tuple[float, float, float]) -> ObservedSurface:
-    """Surface, cameras and light, turned the shortest way that takes direction ``up`` to +z."""
+    """Turn surface, cameras and light the shortest way that takes a direction to +z.
+
+    Args:
+        surface: in a world of any orientation.
+        up: direction in that world that points up, not zero.
+    """
     if up == (0.0, 0.0, 1.0):
         return surface
     rotation = _shortest_rotation_to_z(np.array(up) / np.linalg.norm(up)).astype(np.float32)

@@ -68,10 +68,14 @@ def lobe_light(
 
 
 def stratified_slopes(rings: int = RINGS, sectors: int = SECTORS) -> NDArray[np.float64]:
-    """Return (2, S): slopes of half vectors along two tangents, in units of alpha.
+    """Stratify half vectors over a lobe: ``tan theta_h = alpha sqrt(-ln(1 - u))`` (Ward 1992).
 
-    ``tan theta_h = alpha sqrt(-ln(1 - u))`` (Ward 1992), ``u`` stratified in ``rings``, azimuth in
-    ``sectors``, each ring turned against the next.
+    Args:
+        rings: strata of ``u``.
+        sectors: strata of the azimuth, each ring turned against the next.
+
+    Returns:
+        (2, S) slopes of half vectors along two tangents, in units of alpha.
     """
     ring, sector = np.meshgrid(np.arange(rings), np.arange(sectors), indexing="ij")
     turn = (2.0 * math.pi * (sector + 0.618 * ring) / sectors).ravel()

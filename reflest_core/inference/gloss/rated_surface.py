@@ -62,7 +62,12 @@ class RatedSurface:
 
     @staticmethod
     def of(surface: ObservedSurface, light: LightPyramid) -> RatedSurface:
-        """Rate all voxels of ``surface`` under ``light``, the completed light."""
+        """Rate all voxels of a surface.
+
+        Args:
+            surface: V voxels.
+            light: the completed light.
+        """
         deviations = normal_deviations(surface.positions, surface.normals)
         occupied = OccupiedCells.of(surface.positions)
         is_usable, counts, information = _rate(
@@ -83,9 +88,14 @@ class RatedSurface:
         return RatedSurface(deviations, is_usable, counts, information)
 
     def choose(self, voxels: NDArray[np.int64], most: int = CHOSEN) -> NDArray[np.int64]:
-        """Return at most ``most`` of ``voxels`` (N,), rising, by predicted information.
+        """Choose voxels by their predicted information, independently of their order.
 
-        The choice does not depend on the order of ``voxels``.
+        Args:
+            voxels: (N,) candidates, indices into the surface.
+            most: voxels to choose.
+
+        Returns:
+            At most ``most`` of the candidates, rising.
         """
         candidates = np.sort(voxels)
         candidates = candidates[self.counts[candidates] >= FEWEST_OBSERVATIONS]

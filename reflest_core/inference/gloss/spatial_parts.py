@@ -12,9 +12,13 @@ PARTS = 2**HALVINGS
 
 
 def spatial_parts(positions: NDArray[np.float32]) -> NDArray[np.int64]:
-    """Return the part, 0 to :data:`PARTS` - 1, of each of ``positions`` (V, 3).
+    """Divide voxels in space: each group is halved at the median along its longest extent.
 
-    Every group is halved at the median of the coordinate along which it extends farthest.
+    Args:
+        positions: (V, 3), metres.
+
+    Returns:
+        (V,) the part of each voxel, 0 to :data:`PARTS` - 1.
     """
     parts = np.zeros(len(positions), np.int64)
     for _ in range(HALVINGS):

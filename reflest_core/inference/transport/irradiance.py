@@ -22,9 +22,10 @@ DARKEST = 1e-4
 class Incoming:
     """From where light comes to V voxels, weighted by cosine.
 
-    ``weights``: (V, SIZE * SIZE), the share of each texel's radiance in ``E(n) / pi``. ``hidden``:
-    (V,), the share of what the object hides; with the weights it sums to 1. ``own``: (V, 3), what
-    the object sends from there.
+    Attributes:
+        weights: (V, SIZE * SIZE) share of each texel's radiance in ``E(n) / pi``.
+        hidden: (V,) share of the light that the scene hides; with the weights it sums to 1.
+        own: (V, 3) what the scene sends from there.
     """
 
     weights: NDArray[np.float32]
@@ -33,7 +34,12 @@ class Incoming:
 
 
 def incoming(weights: NDArray[np.float32], sight: Sight | None = None) -> Incoming:
-    """For V voxels of :func:`.cosine_weights` and ``sight``; without one, nothing is hidden."""
+    """Weigh the directions from which light comes to V voxels.
+
+    Args:
+        weights: (V, SIZE * SIZE) of :func:`.cosine_weights`.
+        sight: what the voxels see past the scene; None where nothing is hidden.
+    """
     if sight is None:
         nothing = np.zeros(len(weights), np.float32)
         return Incoming(weights, nothing, np.zeros((len(weights), 3), np.float32))
@@ -50,16 +56,30 @@ def incoming(weights: NDArray[np.float32], sight: Sight | None = None) -> Incomi
 def mean_radiance(
     light: LightPyramid, normals: NDArray[np.float32], sight: Sight | None = None
 ) -> NDArray[np.float32]:
-    """(V, 5) for unit ``normals`` (V, 3): cosine-weighted means over the hemisphere.
+    """Average the light over the hemisphere of each normal, weighted by cosine.
 
-    The first three are ``E(n) / pi``, the radiance that a white Lambertian surface would send back;
-    then the seen share and the clipped share of the light that falls on it.
+    Args:
+        light: the completed light.
+        normals: (V, 3) unit.
+        sight: what the voxels see past the scene; None where nothing is hidden.
+
+    Returns:
+        (V, 5): ``E(n) / pi``, the radiance that a white Lambertian surface would send back; then
+        the seen and the saturated share of that light.
     """
     return weighted_radiance(light, incoming(cosine_weights(normals), sight))
 
 
 def weighted_radiance(light: LightPyramid, arriving: Incoming) -> NDArray[np.float32]:
-    """The same where it is known from where light comes; the object itself counts as seen."""
+    """Average the light where it is known from where it comes; the scene itself counts as seen.
+
+    Args:
+        light: the completed light.
+        arriving: of V voxels.
+
+    Returns:
+        (V, 5), see :func:`mean_radiance`.
+    """
     level = next(level for level in light.levels if len(level) == SIZE)
     mean = np.asarray(arriving.weights @ level.reshape(-1, 5), np.float32)
     mean[:, :3] += arriving.own

@@ -18,13 +18,16 @@ from reflest_core.light.light_map import ObservedLight
 
 @dataclass(frozen=True)
 class PatchResponse:
-    """Radiance of R answers to the light, in parts that add up; P patches.
+    """Radiance of R responses to the light, in parts that add up; P patches.
 
-    Answers are ``E(n) / pi`` of normals, or observations of a surface that only shines with
-    ``rho_s = 1``. ``answers``: (3, R, 1 + 2 P) float32, of each channel to the light as it was
-    seen, clipped pixels as white; to a smooth fill of each patch's unseen directions; and to
-    radiance 1 above white where each patch was seen clipped in all channels, and as much less in
-    the others as :func:`.excess_shape` expects.
+    Responses are ``E(n) / pi`` of normals, or observations of a surface with ``rho_d = 0`` and
+    ``rho_s = 1``.
+
+    Attributes:
+        answers: (3, R, 1 + 2 P) float32, of each channel: to the light as it was seen, saturated
+            pixels as white; to a smooth fill of each patch's unseen directions; and to radiance 1
+            above white where each patch was seen saturated in all channels, and as much less in
+            the others as :func:`.excess_shape` expects.
     """
 
     answers: NDArray[np.float32]
@@ -47,10 +50,12 @@ class PatchResponse:
 
 @dataclass(frozen=True)
 class LightParts:
-    """The light in T = SIZE^2 texels, as coarse as diffuse surfaces need it; (T, 3) float32.
+    """The light in T = SIZE^2 texels, as coarse as diffuse surfaces need it.
 
-    ``seen``: as it was seen. ``fill``: what a smooth fill adds where it was not. ``excess``: see
-    :func:`.excess_shape`.
+    Attributes:
+        seen: (T, 3) float32, as it was seen.
+        fill: (T, 3) what a smooth fill adds where it was not.
+        excess: (T, 3), see :func:`.excess_shape`.
     """
 
     seen: NDArray[np.float32]
@@ -59,7 +64,12 @@ class LightParts:
 
     @staticmethod
     def of(light: ObservedLight, filled: LightPyramid) -> LightParts:
-        """``filled``: the same light after pull and push."""
+        """Separate what was seen from what was filled.
+
+        Args:
+            light: as it was seen.
+            filled: the same, filled smoothly.
+        """
         seen = light.radiance * light.coverage[..., None]
         both = halved_to(np.concatenate([seen, filled.excess], axis=-1), SIZE)
         level = next(level for level in filled.levels if len(level) == SIZE)
@@ -70,9 +80,11 @@ class LightParts:
 
 
 def diffuse_response(light: LightParts, incoming: Incoming) -> PatchResponse:
-    """How a matte white surface would answer to each part of the light.
+    """Compute how a matte white surface responds to each part of the light.
 
-    What comes from the surface itself counts as seen.
+    Args:
+        light: the parts.
+        incoming: from where light comes; what comes from the surface itself counts as seen.
     """
     by_patch = incoming.weights[:, texels_of_patches(SIZE)]
     unknown = _summed(by_patch, np.concatenate([light.fill, light.excess], axis=-1))

@@ -16,7 +16,12 @@ Vector = tuple[float, float, float]
 
 @compiled
 def vector(vectors: NDArray[np.float32], row: int) -> Vector:
-    """A row of ``vectors`` (N, 3)."""
+    """Read one row.
+
+    Args:
+        vectors: (N, 3).
+        row: which one.
+    """
     return float(vectors[row, 0]), float(vectors[row, 1]), float(vectors[row, 2])
 
 
@@ -30,12 +35,18 @@ def mirrored_texels(
     weights: NDArray[np.float64],
     texels: NDArray[np.int32],
 ) -> None:
-    """For each half vector, what its sample weighs and the texel that its light comes from.
+    """Find for each half vector its sample's weight and the texel that its light comes from.
 
-    ``half_vectors``: (3, S) unit, in the tangent ``frame`` with +z on ``normal``. ``weights`` (S,)
-    takes ``(omega_o . h) cos^3 theta_h sqrt(cos theta_i / cos theta_o)``, 0 below the surface;
-    ``texels`` (S,) indices into a flat octahedral map of edge ``size``
-    (:func:`.octahedral_texel`, without branches, so that all samples go at once).
+    Args:
+        frame: tangent and bitangent, six numbers.
+        normal: unit.
+        towards_camera: ``omega_o``, unit.
+        half_vectors: (3, S) unit, in the tangent frame with +z on the normal.
+        size: edge of the octahedral map.
+        weights: (S,) takes ``(omega_o . h) cos^3 theta_h sqrt(cos theta_i / cos theta_o)``, 0 below
+            the surface.
+        texels: (S,) takes indices into the flat map (:func:`.octahedral_texel` without branches, so
+            that vector instructions apply).
     """
     tx, ty, tz, bx, by, bz = frame
     nx, ny, nz = normal

@@ -25,7 +25,14 @@ def patch_directions() -> NDArray[np.float32]:
 
 @cache
 def texels_of_patches(size: int) -> NDArray[np.int64]:
-    """(P, T) indices into a flat octahedral map of edge ``size``, T texels to a patch."""
+    """List the texels of each patch.
+
+    Args:
+        size: edge of an octahedral map.
+
+    Returns:
+        (P, T) indices into the flat map, T texels to a patch.
+    """
     times = size // EDGE
     indices = np.arange(size * size).reshape(EDGE, times, EDGE, times)
     return indices.transpose(0, 2, 1, 3).reshape(PATCHES, times * times)
@@ -33,7 +40,14 @@ def texels_of_patches(size: int) -> NDArray[np.int64]:
 
 @cache
 def patches_of_texels(size: int) -> NDArray[np.int64]:
-    """(size * size,) the patch of each texel."""
+    """Look up the patch of each texel.
+
+    Args:
+        size: edge of an octahedral map.
+
+    Returns:
+        (size * size,) patch indices.
+    """
     patches = np.empty(size * size, np.int64)
     patches[texels_of_patches(size)] = np.arange(PATCHES)[:, None]
     return patches
@@ -58,7 +72,15 @@ def _patch_sums() -> NDArray[np.float32]:
 
 
 def patch_image(values: NDArray[np.float32], size: int) -> NDArray[np.float32]:
-    """Values of patches (P, C) as an octahedral map (size, size, C)."""
+    """Spread values of patches over a map.
+
+    Args:
+        values: (P, C).
+        size: edge of the octahedral map.
+
+    Returns:
+        (size, size, C).
+    """
     image = values.reshape(EDGE, EDGE, -1)
     times = size // EDGE
     return np.repeat(np.repeat(image, times, axis=0), times, axis=1)

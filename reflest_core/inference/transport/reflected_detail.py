@@ -35,10 +35,18 @@ LEAST = 0.01
 
 
 def reflected_detail(surface: ObservedSurface, voxels: NDArray[np.int64]) -> NDArray[np.float32]:
-    """(6,) logarithms: the share of the variance within cells of each size, then how much varies.
+    """Measure how finely reflections vary with the mirrored direction.
 
-    What varies is the logarithm of the brightness (the channels' mean) of ``voxels``, indices into
-    ``surface``, above that in each one's darkest view. Every one of them is observed.
+    What varies is the logarithm of the brightness (the channels' mean) of a voxel above that in its
+    darkest view.
+
+    Args:
+        surface: with observations.
+        voxels: (V,) indices into it, each observed.
+
+    Returns:
+        (6,) float32 logarithms: the share of the variance within cells of each size, then the
+        standard deviation.
     """
     mirrored, above, brightness = _above_darkest(
         surface.positions,

@@ -26,10 +26,15 @@ def reflection(
     directions: NDArray[np.float32],
     sight: Sight | None = None,
 ) -> PatchResponse:
-    """Lobes of ``ROUGHNESSES[roughness]`` about ``normals``, seen from ``directions``, (O, 3) unit.
+    """Compute how glossy observations respond to each part of the light.
 
-    ``filled``: the light after pull and push. ``sight``: of the O observations; without, the
-    object hides nothing. What comes from the object itself counts as seen.
+    Args:
+        filled: the light, filled smoothly.
+        roughness: index into :data:`.ROUGHNESSES`.
+        normals: (O, 3) unit.
+        directions: (O, 3) unit, towards the camera.
+        sight: of the O observations; None where nothing is hidden. What comes from the scene itself
+            counts as seen.
     """
     sight = sight or Sight.open(len(normals))
     level = filled.levels[LEVELS[roughness]]

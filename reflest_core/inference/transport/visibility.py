@@ -41,7 +41,11 @@ class Sight:
 
     @staticmethod
     def open(count: int) -> Sight:
-        """Nothing is hidden."""
+        """Return the sight of voxels that nothing hides light from.
+
+        Args:
+            count: voxels.
+        """
         return Sight(np.ones((count, PATCHES), np.float32), np.zeros(3, np.float32))
 
     def of(self, rows: NDArray[np.int64]) -> Sight:
@@ -74,7 +78,13 @@ class Occluders:
     def of(
         positions: NDArray[np.float32], normals: NDArray[np.float32], own: NDArray[np.float32]
     ) -> Occluders:
-        """Of voxels spread over all of the surface; of very few there is nothing to hide."""
+        """Make surfels of voxels; with very few of them nothing is hidden.
+
+        Args:
+            positions: (D, 3), metres, spread over the surface.
+            normals: (D, 3) unit.
+            own: (3,) mean linear radiance of the surface.
+        """
         if len(positions) <= NEIGHBOURS:
             return Occluders(positions[:0], normals[:0], np.zeros(0, np.float32), own)
         return Occluders(positions, normals, surfel_areas(positions), own)
@@ -85,7 +95,13 @@ class Occluders:
         normals: NDArray[np.float32],
         weights: NDArray[np.float32],
     ) -> Sight:
-        """Of voxels at ``positions``, (V, 3), with ``normals`` and :func:`.cosine_weights`."""
+        """Compute what voxels see of the light.
+
+        Args:
+            positions: (V, 3), metres.
+            normals: (V, 3) unit.
+            weights: (V, SIZE * SIZE) of :func:`.cosine_weights`.
+        """
         hidden = _hidden_shares(
             kernel_array(self.positions, np.float32),
             kernel_array(self.normals, np.float32),

@@ -35,14 +35,22 @@ def lobe_radiance(
     directions: NDArray[np.float32],
     sight: Sight | None = None,
 ) -> NDArray[np.float32]:
-    """(O, K, 5) for every observation and every one of K roughnesses.
+    """Gather the light in the Ward lobe of each observation, for each of K roughnesses.
 
-    ``normals`` and ``directions`` (towards the camera): (O, 3) unit. The first three are the
-    radiance reflected at ``rho_s = 1``; then the seen and the clipped share of the lobe. ``sight``:
-    of the O observations; without, the object hides nothing of the light. What it sends itself
-    counts as unseen where only its mean colour is known, and as seen where each patch has a colour.
     Half vectors are stratified over the lobe, ``tan theta_h = alpha sqrt(-ln(1 - u))``, and weigh
     ``(omega_o . h) cos^3 theta_h sqrt(cos theta_i / cos theta_o)``, which is f / pdf for Eq. 1.
+
+    Args:
+        light: the light, filled or completed.
+        normals: (O, 3) unit.
+        directions: (O, 3) unit, towards the camera.
+        sight: of the O observations; None where nothing is hidden. What the scene sends itself
+            counts as unseen where only its mean colour is known, and as seen where each patch has
+            a colour.
+
+    Returns:
+        (O, K, 5): radiance reflected at ``rho_s = 1``; then the seen and the saturated share of the
+        lobe.
     """
     sight = sight or Sight.open(len(normals))
     if sight.is_coloured:
@@ -80,9 +88,20 @@ def reflected(
     rings: int = 8,
     sectors: int = 8,
 ) -> NDArray[np.float32]:
-    """(O, 3): what a surface that only shines, with ``rho_s = 1`` and this ``alpha``, sends back.
+    """Render a surface with ``rho_d = 0`` and ``rho_s = 1``.
 
-    As :func:`lobe_radiance`, from more half vectors and at the resolution that their spacing asks.
+    As :func:`lobe_radiance`, from more half vectors and at the resolution that their spacing needs.
+
+    Args:
+        light: the light.
+        alpha: roughness.
+        normals: (O, 3) unit.
+        directions: (O, 3) unit, towards the camera.
+        rings: strata of the half vectors' polar angle.
+        sectors: strata of their azimuth.
+
+    Returns:
+        (O, 3) linear radiance.
     """
     half = half_vectors((alpha,), rings, sectors)
     spacing = 4.0 * alpha / math.sqrt(rings * sectors)
@@ -106,7 +125,16 @@ def reflected(
 def half_vectors(
     alphas: Sequence[float], rings: int = RINGS, sectors: int = SECTORS
 ) -> NDArray[np.float32]:
-    """(K, 3, S) unit, in the tangent frame with +z on the normal; S = rings * sectors."""
+    """Stratify half vectors over lobes.
+
+    Args:
+        alphas: K roughnesses.
+        rings: strata of the polar angle.
+        sectors: strata of the azimuth.
+
+    Returns:
+        (K, 3, S) unit, in the tangent frame with +z on the normal; S = rings * sectors.
+    """
     ring, sector = np.meshgrid(np.arange(rings), np.arange(sectors), indexing="ij")
     turn = (2.0 * math.pi * (sector + 0.6 * ring) / sectors).ravel()
     slope = np.sqrt(-np.log(1.0 - (ring.ravel() + 0.5) / rings))
