@@ -30,7 +30,11 @@ CHANGES = (
 
 
 def add_recipe_options(parser: argparse.ArgumentParser) -> None:
-    """Add an option for every field that is worth changing."""
+    """Add an option for every field that is worth changing.
+
+    Args:
+        parser: The parser of ``reflest train``.
+    """
     parser.add_argument("--optimiser", choices=("adam", "adamw", "rmsprop", "sgd"))
     parser.add_argument("--learning-rate", type=float)
     parser.add_argument("--momentum", type=float, help="of rmsprop and sgd")
@@ -53,7 +57,13 @@ def add_recipe_options(parser: argparse.ArgumentParser) -> None:
 
 
 def changed_recipe(base: Recipe, arguments: argparse.Namespace, parts: int) -> Recipe:
-    """``base`` with what was given; ``parts`` of a minibatch unless the options say otherwise."""
+    """Return the recipe with what the options change.
+
+    Args:
+        base: The network's recipe.
+        arguments: All options.
+        parts: Parts of a minibatch unless the options say otherwise.
+    """
     given = {field: getattr(arguments, field) for field in CHANGES}
     changes = {field: value for field, value in given.items() if value is not None}
     changes.setdefault("parts", parts)

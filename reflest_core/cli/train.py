@@ -33,7 +33,11 @@ class _Wanted:
 
 
 def add_parser(subparsers: Any) -> None:
-    """Add the subcommand."""
+    """Add the subcommand.
+
+    Args:
+        subparsers: Of the parser of ``reflest``.
+    """
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "train",
         help="train networks on SynBRDF scenes (resumes where it was stopped)",
@@ -80,7 +84,11 @@ def add_parser(subparsers: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Train to the end and say where the weights are."""
+    """Train to the end and say where the weights are.
+
+    Args:
+        arguments: All options.
+    """
     import torch
 
     from reflest_core.training.processes import joined_processes, keep_freed_memory

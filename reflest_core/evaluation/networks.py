@@ -86,8 +86,8 @@ def find_networks(runs: Path | None) -> list[EvaluatedNetwork]:
     if not found and not any(runs is None or runs in one.weights.parents for one in others):
         place = "this installation" if runs is None else runs
         raise EvaluationError(
-            f"{place} holds no weights of a variant of Table 2; train one with 'reflest train DATA "
-            "--variant NAME --out RUNS/NAME' and give --runs RUNS"
+            f"{place} holds no weights of a variant of Table 2 or another network; train one with "
+            "'reflest train DATA --variant NAME --out RUNS/NAME' and give --runs RUNS"
         )
     return found + others
 

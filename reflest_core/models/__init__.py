@@ -1,3 +1,3 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The networks of section 3.3, their weights and how they look at a surface."""
+"""Networks that estimate a surface's BRDF: their features, forms, weights and recipes."""

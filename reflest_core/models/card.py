@@ -31,16 +31,28 @@ class ParameterStatistics:
 
     @staticmethod
     def of(parameters: NDArray[np.float64]) -> ParameterStatistics:
-        """Compute the statistics of (S, 5) parameters."""
+        """Compute the statistics of (S, 5) parameters.
+
+        Args:
+            parameters: (S, 5) parameters.
+        """
         return ParameterStatistics(parameters.mean(axis=0), parameters.std(axis=0))
 
     def normalise(self, parameters: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Z-score parameters (..., 5)."""
+        """Z-score parameters (..., 5).
+
+        Args:
+            parameters: (S, 5) parameters.
+        """
         scores: NDArray[np.float64] = (parameters - self.mean) / self.stddev
         return scores
 
     def restore(self, scores: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Undo :meth:`normalise` for z-scores (..., 5)."""
+        """Undo :meth:`normalise` for z-scores (..., 5).
+
+        Args:
+            scores: (..., 5) z-scores.
+        """
         parameters: NDArray[np.float64] = scores * self.stddev + self.mean
         return parameters
 
@@ -63,7 +75,11 @@ class Calibration:
     correlation: NDArray[np.float64] = field(default_factory=lambda: np.eye(5))
 
     def calibrated(self, deviations: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Calibrate deviations (..., 5) of z-scored Ward parameters."""
+        """Calibrate deviations (..., 5) of z-scored Ward parameters.
+
+        Args:
+            deviations: (..., 5), of z-scored Ward parameters as a network states them.
+        """
         calibrated: NDArray[np.float64] = self.factors * deviations**self.powers
         return calibrated
 
@@ -115,7 +131,11 @@ class WeightsCard:
 
     @staticmethod
     def from_json(described: str) -> WeightsCard:
-        """Read :meth:`to_json`'s string."""
+        """Read :meth:`to_json`'s string.
+
+        Args:
+            described: The stored string.
+        """
         card = json.loads(described)
         statistics = {
             name: ParameterStatistics(np.array(known["mean"]), np.array(known["stddev"]))

@@ -192,6 +192,9 @@ class NetworkDefinition(ABC):
     def model_named(self, name: str) -> Model:
         """Return the model of that name.
 
+        Args:
+            name: Of a model.
+
         Raises:
             KeyError: The network has no such model.
         """

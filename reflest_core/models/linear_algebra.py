@@ -37,7 +37,12 @@ class DenseLayer(NamedTuple):
 
     @staticmethod
     def of(tensors: Tensors, name: str) -> DenseLayer:
-        """Take the layer ``<name>.weight`` (outputs, inputs) and ``<name>.bias`` as stored."""
+        """Take the layer ``<name>.weight`` (outputs, inputs) and ``<name>.bias`` as stored.
+
+        Args:
+            tensors: The trained weights by name.
+            name: Of the layer.
+        """
         return DenseLayer(
             np.ascontiguousarray(tensors[f"{name}.weight"].T), tensors[f"{name}.bias"]
         )
@@ -58,7 +63,12 @@ class DenseLayer(NamedTuple):
         return products
 
     def tanh(self, values: Array, space: Array | None = None) -> Array:
-        """Apply the layer, then tanh; arguments as for :meth:`linear`."""
+        """Apply the layer, then tanh.
+
+        Args:
+            values: (..., inputs).
+            space: Array whose first rows take the result, where memory is to be reused.
+        """
         products = self.linear(values, space)
         return np.tanh(products, out=products)
 
@@ -85,7 +95,12 @@ def one_blas_thread() -> Iterator[None]:
 
 
 def run_in_threads(work: Callable[[int], None], threads: int) -> None:
-    """Call ``work(0)`` to ``work(threads - 1)``, each in a thread of its own if there are more."""
+    """Call ``work(0)`` to ``work(threads - 1)``, each in a thread of its own if there are more.
+
+    Args:
+        work: Called with the number of each thread.
+        threads: How many.
+    """
     if threads == 1:
         work(0)
         return

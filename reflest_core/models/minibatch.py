@@ -48,7 +48,12 @@ class PackedScenes:
 
     @staticmethod
     def of(surfaces: list[ObservedSurface], ward: NDArray[np.float64]) -> PackedScenes:
-        """Pack surfaces, and their true parameters (S, 5), in order."""
+        """Pack surfaces, and their true parameters (S, 5), in order.
+
+        Args:
+            surfaces: The scenes' surfaces.
+            ward: (S, 5), the true parameters.
+        """
         counts = np.concatenate([surface.observation_counts for surface in surfaces])
 
         def joined(name: str) -> Tensor:
@@ -69,7 +74,11 @@ class PackedScenes:
         )
 
     def to(self, device: torch.device) -> PackedScenes:
-        """Copy the scenes to ``device``."""
+        """Copy the scenes to ``device``.
+
+        Args:
+            device: A PyTorch device.
+        """
         return PackedScenes(**{f.name: getattr(self, f.name).to(device) for f in fields(self)})
 
     @property
@@ -116,12 +125,20 @@ class DrawnScenes:
     channels: Tensor
 
     def swap(self, colours: Tensor) -> Tensor:
-        """Put the channels of ``colours`` (B, ..., 3) in each scene's drawn order."""
+        """Put the channels of ``colours`` (B, ..., 3) in each scene's drawn order.
+
+        Args:
+            colours: (B, ..., 3).
+        """
         order = self.channels.view(len(self.channels), *[1] * (colours.ndim - 2), 3)
         return colours.gather(-1, order.expand(colours.shape))
 
     def turn(self, vectors: Tensor) -> Tensor:
-        """Turn ``vectors`` (B, ..., 3) with each scene's world."""
+        """Turn ``vectors`` (B, ..., 3) with each scene's world.
+
+        Args:
+            vectors: (B, ..., 3).
+        """
         turned: Tensor = torch.einsum("bij,b...j->b...i", self.rotation, vectors)
         return turned
 

@@ -22,7 +22,7 @@ from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.voxel_choice import choose_voxels
 
 LARGEST_LOG_VARIANCE = 3.0
-"""Of a z-score; training tells variances apart up to here."""
+"""Of a z-score; training distinguishes variances up to here."""
 
 
 @dataclass(frozen=True)

@@ -97,7 +97,11 @@ class Recipe:
         return "labcd" if self.loss == "rmse2" else "ward"
 
     def make_optimiser(self, module: torch.nn.Module) -> torch.optim.Optimizer:
-        """Make the optimiser of a module's weights, with the recipe's learning rate."""
+        """Make the optimiser of a module's weights, with the recipe's learning rate.
+
+        Args:
+            module: The network.
+        """
         import torch
 
         weights, rate = module.parameters(), self.learning_rate
@@ -110,7 +114,11 @@ class Recipe:
         return torch.optim.SGD(weights, lr=rate, momentum=self.momentum)
 
     def learning_rate_at(self, minibatch: int) -> float:
-        """Return the learning rate of a minibatch, counted from 0."""
+        """Return the learning rate of a minibatch, counted from 0.
+
+        Args:
+            minibatch: Its number, from 0.
+        """
         if minibatch < self.warm_up:
             return self.learning_rate * (minibatch + 1) / (self.warm_up + 1)
         held = max(self.hold * self.minibatches, self.warm_up)

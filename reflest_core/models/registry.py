@@ -55,6 +55,9 @@ def networks() -> dict[str, NetworkDefinition]:
 def network_named(name: str) -> NetworkDefinition:
     """Return the network of that name.
 
+    Args:
+        name: Of a network.
+
     Raises:
         RegistryError: There is none; the sentence lists those that there are.
     """
@@ -71,6 +74,9 @@ def models() -> dict[str, Model]:
 
 def network_of_model(name: str) -> NetworkDefinition:
     """Return the network that a model uses.
+
+    Args:
+        name: Of a model.
 
     Raises:
         RegistryError: There is no model of that name; the sentence lists those that there are.

@@ -58,7 +58,13 @@ class TorchNetwork:
         voxels: NDArray[np.int64],
         found: Explanation | None = None,
     ) -> Scores:
-        """Estimate from the features of ``voxels``; products are never in TF32."""
+        """Estimate from the features of ``voxels``; products are never in TF32.
+
+        Args:
+            surface: A scan, or a material's part of one, upright (+z is up).
+            voxels: (N,) indices of voxels, all observed.
+            found: See :class:`~reflest_core.models.definition.LiveNetwork`.
+        """
         torch = self._torch
         features = self._definition.features(surface, voxels, found)
         exact = torch.backends.cudnn.flags(

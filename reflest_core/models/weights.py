@@ -55,6 +55,9 @@ def save_weights(
 def load_weights(path: Path) -> tuple[Tensors, WeightsCard, str]:
     """Read a weight file.
 
+    Args:
+        path: Of the file.
+
     Returns:
         The tensors in float32, the card, and the checked hash (hex).
 
@@ -101,7 +104,11 @@ def check_fits(tensors: Tensors, shapes: Mapping[str, tuple[int, ...]], path: Pa
 
 
 def quantise(tensors: Tensors) -> Tensors:
-    """Store every matrix as int8 beside ``<name>.scale``; vectors (biases) stay float32."""
+    """Store every matrix as int8 beside ``<name>.scale``; vectors (biases) stay float32.
+
+    Args:
+        tensors: By name.
+    """
     stored: Tensors = {}
     for name, tensor in tensors.items():
         if tensor.ndim < 2:
@@ -115,7 +122,11 @@ def quantise(tensors: Tensors) -> Tensors:
 
 
 def dequantise(stored: Tensors) -> Tensors:
-    """Undo :func:`quantise` in float32; tensors that are not int8 pass unchanged."""
+    """Undo :func:`quantise` in float32; tensors that are not int8 pass unchanged.
+
+    Args:
+        stored: Tensors as the file holds them.
+    """
     tensors: Tensors = {}
     for name, tensor in stored.items():
         if name.endswith(SCALE_SUFFIX):
@@ -131,6 +142,10 @@ def content_hash(stored: Tensors, card: str) -> str:
     """SHA-256 (hex) over the card and every tensor's name, type, shape and bytes, by name.
 
     Types are spelt as PyTorch does, which wrote the first files.
+
+    Args:
+        stored: Tensors as the file holds them.
+        card: The card's JSON.
     """
     digest = hashlib.sha256(card.encode())
     for name in sorted(stored):

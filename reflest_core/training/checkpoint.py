@@ -41,6 +41,11 @@ class Checkpoint:
 def save_checkpoint(path: Path, checkpoint: Checkpoint, recipe: Recipe) -> None:
     """Write a checkpoint, whole or not at all.
 
+    Args:
+        path: Of the file.
+        checkpoint: The state to keep.
+        recipe: The training's.
+
     Raises:
         OutputError: It cannot be written; the checkpoint before it is as it was.
     """

@@ -30,7 +30,11 @@ class TrainingMethod(ABC):
 
     @abstractmethod
     def add_options(self, parser: argparse.ArgumentParser) -> None:
-        """Add the method's own options to ``reflest train``; all must default to None."""
+        """Add the method's own options to ``reflest train``; all must default to None.
+
+        Args:
+            parser: The parser of ``reflest train``.
+        """
 
     def recipe(self, base: Recipe, arguments: argparse.Namespace) -> Recipe:
         """Return the recipe with what the method's options change.
@@ -63,7 +67,11 @@ class TrainingMethod(ABC):
 
 
 def training_method(path: str) -> TrainingMethod:
-    """Make the method of an import path; see ``NetworkDefinition.training``."""
+    """Make the method of an import path; see ``NetworkDefinition.training``.
+
+    Args:
+        path: ``module:class``.
+    """
     module, _, name = path.partition(":")
     made = getattr(importlib.import_module(module), name)()
     if not isinstance(made, TrainingMethod):

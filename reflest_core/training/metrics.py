@@ -32,7 +32,11 @@ class NormalisedRmse:
 
     @staticmethod
     def of(errors: NDArray[np.float64]) -> NormalisedRmse:
-        """Compute it from (S, 5) errors of z-scored parameters."""
+        """Compute it from (S, 5) errors of z-scored parameters.
+
+        Args:
+            errors: (S, 5) errors of z-scored parameters.
+        """
         scenes = np.sqrt((errors**2).mean(axis=1))
         return NormalisedRmse(
             overall=float(np.sqrt((errors**2).mean())),

@@ -44,6 +44,9 @@ class Processes:
     def parts(self, total: int) -> range:
         """Return the parts, of ``total`` of a minibatch, that this process draws.
 
+        Args:
+            total: Parts of a minibatch.
+
         Raises:
             TrainingError: The parts cannot be shared equally.
         """

@@ -35,6 +35,10 @@ class StartingWeights:
     def read(path: Path, recipe: Recipe) -> StartingWeights:
         """Read a weight file.
 
+        Args:
+            path: Of the file.
+            recipe: Of the training that begins with them.
+
         Raises:
             TrainingError: It holds another network than the recipe's.
         """
@@ -50,6 +54,10 @@ class StartingWeights:
         """Copy the weights into a module.
 
         The last layer keeps its own weights where the recipe's outputs mean something else.
+
+        Args:
+            module: The network.
+            recipe: Of the training that begins with them.
         """
         own = module.state_dict()
         check_fits(self.tensors, {n: tuple(t.shape) for n, t in own.items()}, Path(self.name))

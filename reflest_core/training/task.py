@@ -72,13 +72,27 @@ class TrainingTask(Protocol[B]):
         """
 
     def loss(self, network: torch.nn.Module, batch: B) -> torch.Tensor:
-        """Compute what is minimised, of one minibatch."""
+        """Compute what is minimised, of one minibatch.
+
+        Args:
+            network: The network.
+            batch: The minibatch.
+        """
 
     def rmse(self, module: torch.nn.Module) -> float:
-        """Measure the normalised RMSE on validation; the weights of the lowest are kept."""
+        """Measure the normalised RMSE on validation; the weights of the lowest are kept.
+
+        Args:
+            module: The network.
+        """
 
     def save(self, best: Weights, folder: RunFolder) -> None:
-        """Write the weight file, and what else a finished training leaves."""
+        """Write the weight file, and what else a finished training leaves.
+
+        Args:
+            best: The weights to keep.
+            folder: The training's.
+        """
 
 
 def prepared_ahead(make: Callable[[int], T], numbers: range, device: torch.device) -> Iterator[T]:

@@ -36,11 +36,21 @@ class TrainingLog:
     """Appends to ``log.csv``, and to ``tensorboard/`` if ``tensorboard`` is set."""
 
     def __init__(self, folder: Path, tensorboard: bool) -> None:
+        """Open the log.
+
+        Args:
+            folder: The training's.
+            tensorboard: Also log for TensorBoard.
+        """
         self.path = folder / "log.csv"
         self.writer = _summary_writer(folder / "tensorboard") if tensorboard else None
 
     def write(self, entry: Entry) -> None:
-        """Append one line."""
+        """Append one line.
+
+        Args:
+            entry: What is logged.
+        """
         is_new = not self.path.exists()
         with self.path.open("a", newline="") as file:
             columns = csv.writer(file)

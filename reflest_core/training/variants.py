@@ -45,7 +45,11 @@ class Variant:
         return SHIPPED / self.file_name
 
     def recipe(self, origin: str = "ours") -> Recipe:
-        """Return its recipe, of origin ``paper`` or ``ours``."""
+        """Return its recipe, of origin ``paper`` or ``ours``.
+
+        Args:
+            origin: ``ours`` or ``paper``.
+        """
         base = network_named(self.network).recipes[origin]
         return dataclasses.replace(base, loss=self.loss, colour_constancy=self.colour_constancy)
 
@@ -81,6 +85,9 @@ VARIANTS = (
 
 def variant_named(name: str) -> Variant:
     """Return the variant of that name.
+
+    Args:
+        name: Of a variant.
 
     Raises:
         TrainingError: There is none; the sentence lists those that there are.

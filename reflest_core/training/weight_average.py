@@ -18,11 +18,22 @@ class WeightAverage:
     """
 
     def __init__(self, weights: Weights, decay: float) -> None:
+        """Begin with the given weights.
+
+        Args:
+            weights: By name.
+            decay: Share of the mean that stays at each minibatch.
+        """
         self.decay = decay
         self.mean = {name: tensor.detach().clone() for name, tensor in weights.items()}
 
     def update(self, weights: Weights, minibatch: int) -> None:
-        """Add the weights after ``minibatch`` minibatches; early ones are soon forgotten."""
+        """Add the weights after ``minibatch`` minibatches; early ones are soon forgotten.
+
+        Args:
+            weights: By name.
+            minibatch: How many are done.
+        """
         decay = min(self.decay, minibatch / (minibatch + 10))
         names = list(self.mean)
         torch._foreach_lerp_(

@@ -15,12 +15,19 @@ Tensor = torch.Tensor
 def batched_grouplets(
     packed: PackedScenes, drawn: DrawnScenes, uniform: Tensor
 ) -> tuple[Tensor, Tensor]:
-    """Branches (B, N K, 5, 12) and normals (B, N K, 3) of K nodes a voxel.
+    """Draw grouplets of a whole minibatch.
 
-    ``uniform``: (B, N, K, 5) float in [0, 1); the same numbers choose the same observations as in
-    :func:`~reflest_core.models.grouplet.grouplets.draw_grouplets`, but that here nodes draw from
-    all of a voxel's observations, not from 20 that they share. A voxel that nothing saw enters as
-    0.
+    The same numbers choose the same observations as in
+    :func:`~reflest_core.models.grouplet.grouplets.draw_grouplets`, but here nodes draw from all of
+    a voxel's observations, not from 20 that they share. A voxel without observations enters as 0.
+
+    Args:
+        packed: All training scenes.
+        drawn: The scenes of the minibatch.
+        uniform: (B, N, K, 5) float in [0, 1), which chooses the observations of K nodes a voxel.
+
+    Returns:
+        Branches (B, N K, 5, 12) and normals (B, N K, 3) of K nodes a voxel.
     """
     places = choose_observations(drawn.seen, uniform)
     nodes = uniform.shape[2]
@@ -43,9 +50,14 @@ def batched_grouplets(
 
 
 def choose_observations(seen: Tensor, uniform: Tensor) -> Tensor:
-    """Places (B, N, K, 5) of seen observations, without replacement where there are five.
+    """Choose observations, without replacement where a voxel has five.
 
-    ``seen``: (B, N, M) bool. ``uniform``: (B, N, K, 5).
+    Args:
+        seen: (B, N, M) bool, the places that hold an observation.
+        uniform: (B, N, K, 5) in [0, 1).
+
+    Returns:
+        (B, N, K, 5), places of seen observations.
     """
     count = seen.sum(dim=2)[:, :, None]
     taken = torch.empty(uniform.shape, dtype=torch.int64, device=seen.device)

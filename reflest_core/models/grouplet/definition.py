@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Grouplet as the registry knows it, and how it is trained."""
+"""Definition of Grouplet for the registry, with its recipes."""
 
 from __future__ import annotations
 
@@ -81,7 +81,13 @@ class GroupletDefinition(NetworkDefinition):
         voxels: NDArray[np.int64],
         found: Explanation | None = None,
     ) -> Features:
-        """Draw branches (N nodes, 5, 12) and normals (N nodes, 3), 10 nodes a voxel."""
+        """Draw branches (N nodes, 5, 12) and normals (N nodes, 3), 10 nodes a voxel.
+
+        Args:
+            surface: A scan, or a material's part of one, upright (+z is up).
+            voxels: (N,) indices of voxels, all observed.
+            found: The material in the light of its scene; not used, for the network sees no light.
+        """
         from reflest_core.models.grouplet.grouplets import SEED, draw_grouplets
 
         drawn = draw_grouplets(surface, voxels, SEED)
@@ -94,7 +100,12 @@ class GroupletDefinition(NetworkDefinition):
         return SHAPES
 
     def live(self, tensors: Tensors, threads: int) -> LiveGrouplet:
-        """Make the NumPy form; any number of threads gives the same bits."""
+        """Make the NumPy form; any number of threads gives the same bits.
+
+        Args:
+            tensors: The trained weights by name.
+            threads: CPU threads that it may use.
+        """
         from reflest_core.models.grouplet.live import LiveGrouplet
 
         return LiveGrouplet(tensors, threads)
@@ -106,7 +117,14 @@ class GroupletDefinition(NetworkDefinition):
         recipe: Recipe,
         generator: torch.Generator,
     ) -> tuple[torch.Tensor, ...]:
-        """Draw branches (B, N K, 5, 12) and normals (B, N K, 3) of the recipe's K nodes a voxel."""
+        """Draw branches (B, N K, 5, 12) and normals (B, N K, 3) of the recipe's K nodes a voxel.
+
+        Args:
+            packed: All training scenes.
+            drawn: The scenes of the minibatch.
+            recipe: The training's.
+            generator: Of random numbers, on the scenes' device.
+        """
         import torch
 
         from reflest_core.models.grouplet.batched_grouplets import batched_grouplets

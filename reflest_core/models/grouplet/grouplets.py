@@ -16,11 +16,7 @@ BRANCHES = 5
 """M: observations in one node."""
 NODES_PER_VOXEL = 10
 DRAWN_FROM = 20
-"""Observations of a voxel, taken at random, from which its nodes draw.
-
-Nodes that share observations share what is computed of them. Each node alone is as random as
-before; normalised RMSE moved by less than another seed moves it, also for 16 and 12.
-"""
+"""Random observations of a voxel, from which its nodes draw; shared ones are computed once."""
 SEED = 0
 """Of an estimate's grouplets: drawn at random but always alike, so that estimates repeat."""
 BRANCH_INPUTS = 12
@@ -31,10 +27,11 @@ BRANCH_INPUTS = 12
 class Grouplets:
     """Inputs of G nodes, which share D distinct observations.
 
-    ``observations``: (D, 12) float32, ``(C, omega_o, F, B)`` with colours / 255 and ``omega_o`` in
-    the world frame; those of one voxel stand together, voxels in the order of the nodes.
-    ``members``: (G, 5) int32 rows of ``observations``, by falling ``omega_o . n``.
-    ``normals``: (G, 3) float32, world frame.
+    Attributes:
+        observations: (D, 12) float32, ``(C, omega_o, F, B)`` with colours / 255 and ``omega_o`` in
+            the world frame; those of one voxel stand together, voxels in the order of the nodes.
+        members: (G, 5) int32 rows of ``observations``, by falling ``omega_o . n``.
+        normals: (G, 3) float32, world frame.
     """
 
     observations: NDArray[np.float32]
@@ -50,10 +47,16 @@ class Grouplets:
 def draw_grouplets(
     surface: ObservedSurface, voxels: NDArray[np.int64], seed: int, nodes: int = NODES_PER_VOXEL
 ) -> Grouplets:
-    """Draw ``nodes`` grouplets from each of the ``voxels`` (N,), all of them observed.
+    """Draw grouplets from observed voxels.
 
     Observations are drawn without replacement where a voxel has five or more, else with, from at
-    most :data:`DRAWN_FROM`. An unknown F or B (NaN) enters as 0. The same seed draws the same.
+    most :data:`DRAWN_FROM`. An unknown F or B (NaN) enters as 0.
+
+    Args:
+        surface: A scan, or a material's part of one, upright (+z is up).
+        voxels: (N,) indices of voxels, all observed.
+        seed: The same seed draws the same.
+        nodes: Grouplets of each voxel.
     """
     rng = np.random.default_rng(seed)
     of_nodes = rng.random((len(voxels) * nodes, BRANCHES))
@@ -140,9 +143,13 @@ def _draw(
 
 @compiled
 def shuffled_slots(uniform: NDArray[np.float64], count: int) -> NDArray[np.int32]:
-    """As many of the numbers below ``count`` as ``uniform``, in [0, 1), has; all if they are fewer.
+    """Draw some of the numbers below ``count``, or all if they are few enough.
 
     Where some are left out, the first steps of a Fisher-Yates shuffle choose.
+
+    Args:
+        uniform: Numbers in [0, 1) that decide; as many as are drawn at most.
+        count: How many there are to draw from.
     """
     slots = np.arange(count).astype(np.int32)
     if count <= len(uniform):
@@ -157,9 +164,12 @@ def shuffled_slots(uniform: NDArray[np.float64], count: int) -> NDArray[np.int32
 def draw_without_repeats(
     uniform: NDArray[np.float64], count: int, drawn: NDArray[np.int32]
 ) -> None:
-    """Fill ``drawn`` (5,) with indices below ``count``, distinct ones where there are five.
+    """Draw indices below ``count``, distinct ones where there are five.
 
-    ``uniform``: (5,) in [0, 1), decides.
+    Args:
+        uniform: (5,) in [0, 1), which decides.
+        count: How many there are to draw from.
+        drawn: (5,), is filled.
     """
     taken = np.empty(BRANCHES, np.int64)  # rising
     for k in range(BRANCHES):

@@ -60,6 +60,12 @@ class LiveGrouplet:
     """
 
     def __init__(self, tensors: Tensors, threads: int) -> None:
+        """Take the weights and make room for each thread.
+
+        Args:
+            tensors: The trained weights by name.
+            threads: CPU threads that it may use.
+        """
         self._branch = [DenseLayer.of(tensors, f"branch.{n}") for n in (0, 2)]
         node = DenseLayer.of(tensors, "node.0")
         self._places = node.weight[: BRANCHES * 128].reshape(BRANCHES, 128, 256)
@@ -74,14 +80,21 @@ class LiveGrouplet:
         voxels: NDArray[np.int64],
         found: Explanation | None = None,
     ) -> Scores:
-        """The parameters of the surface, from ten grouplets of each of ``voxels``.
+        """Estimate from ten grouplets of each voxel.
 
-        The network sees no light: ``found`` changes nothing.
+        Args:
+            surface: A scan, or a material's part of one, upright (+z is up).
+            voxels: (N,) indices of voxels, all observed.
+            found: The material in the light of its scene; not used, for the network sees no light.
         """
         return Scores(self.evaluate(draw_grouplets(surface, voxels, SEED)))
 
     def evaluate(self, drawn: Grouplets) -> Array:
-        """(5,) z-scored parameters."""
+        """Estimate (5,) z-scored parameters.
+
+        Args:
+            drawn: Grouplets of one surface.
+        """
         starts = range(0, len(drawn.members), NODES_AT_ONCE)
         sums = np.empty((len(starts), 2, 128), np.float64)
 
@@ -135,11 +148,15 @@ class _Workspace:
 def observations_by_place(
     members: NDArray[np.int32],
 ) -> tuple[int, int, NDArray[np.int32], NDArray[np.int64], NDArray[np.int32]]:
-    """The distinct pairs of observation and place in ``members`` (G, 5).
+    """Find the distinct pairs of observation and place.
 
-    Returns the first observation and one past the last; the observation of each pair (P,), counted
-    from the first, ordered by place; where each place's pairs begin and the last ones end (6,); and
-    the pairs of each node (G, 5).
+    Args:
+        members: (G, 5) rows of observations.
+
+    Returns:
+        The first observation and one past the last; the observation of each pair (P,), counted from
+        the first, ordered by place; where each place's pairs begin and the last ones end (6,); and
+        the pairs of each node (G, 5).
     """
     first, last = members.min(), members.max() + 1
     pair_of = np.full((BRANCHES, last - first), -1, np.int32)

@@ -31,7 +31,12 @@ class Grouplet(nn.Module):
         )
 
     def forward(self, branches: torch.Tensor, normals: torch.Tensor) -> torch.Tensor:
-        """``branches`` (B, G, 5, 12) and ``normals`` (B, G, 3) of G nodes."""
+        """Estimate (B, 5) z-scored parameters.
+
+        Args:
+            branches: (B, G, 5, 12), observations of each node.
+            normals: (B, G, 3), normals of the nodes.
+        """
         described = self.branch(branches).flatten(2)
         nodes = self.node(torch.cat([described, normals], dim=2))
         moments = torch.cat([nodes.mean(dim=1), nodes.var(dim=1, unbiased=False)], dim=1)

@@ -15,7 +15,13 @@ Tensor = torch.Tensor
 
 
 def batched_hemispheres(packed: PackedScenes, drawn: DrawnScenes, azimuths: Tensor) -> Tensor:
-    """Images (B, N, 3, 10, 10) in [0, 1], each scene's turned by ``azimuths`` (B,) radians."""
+    """Make the images (B, N, 3, 10, 10) of a minibatch, colours in [0, 1].
+
+    Args:
+        packed: All training scenes.
+        drawn: The scenes of the minibatch.
+        azimuths: (B,) radians, each scene's turn about the normals.
+    """
     images = _by_kernel if azimuths.device.type == "cpu" else _by_tensors
     return drawn.swap(images(packed, drawn, azimuths).movedim(2, -1)).movedim(-1, 2)
 
@@ -59,7 +65,11 @@ def _by_tensors(packed: PackedScenes, drawn: DrawnScenes, azimuths: Tensor) -> T
 
 
 def tangent_frames(normals: Tensor) -> tuple[Tensor, Tensor]:
-    """Tangents and bitangents (..., 3) of unit ``normals`` as ``surface/tangent_frame.py`` has."""
+    """Compute tangents and bitangents (..., 3) as ``surface/tangent_frame.py`` does.
+
+    Args:
+        normals: (..., 3), unit.
+    """
     up = torch.zeros_like(normals)
     up[..., 2] = 1
     along_x = torch.zeros_like(normals)

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""HemiCNN as the registry knows it, and how it is trained."""
+"""Definition of HemiCNN for the registry, with its recipes."""
 
 from __future__ import annotations
 
@@ -70,7 +70,13 @@ class HemiCNNDefinition(NetworkDefinition):
         voxels: NDArray[np.int64],
         found: Explanation | None = None,
     ) -> Features:
-        """Compute the hemisphere images (N, 3, 10, 10)."""
+        """Compute the hemisphere images (N, 3, 10, 10).
+
+        Args:
+            surface: A scan, or a material's part of one, upright (+z is up).
+            voxels: (N,) indices of voxels, all observed.
+            found: The material in the light of its scene; not used, for the network sees no light.
+        """
         from reflest_core.models.hemicnn.hemisphere_images import hemisphere_images
 
         return (hemisphere_images(surface, voxels),)
@@ -82,7 +88,12 @@ class HemiCNNDefinition(NetworkDefinition):
         return SHAPES
 
     def live(self, tensors: Tensors, threads: int) -> LiveHemiCNN:
-        """Make the NumPy form, which runs on one thread."""
+        """Make the NumPy form, which runs on one thread.
+
+        Args:
+            tensors: The trained weights by name.
+            threads: CPU threads that it may use.
+        """
         from reflest_core.models.hemicnn.live import LiveHemiCNN
 
         return LiveHemiCNN(tensors)
@@ -94,7 +105,14 @@ class HemiCNNDefinition(NetworkDefinition):
         recipe: Recipe,
         generator: torch.Generator,
     ) -> tuple[torch.Tensor, ...]:
-        """Compute images (B, N, 3, 10, 10), each scene's turned by a random azimuth."""
+        """Compute images (B, N, 3, 10, 10), each scene's turned by a random azimuth.
+
+        Args:
+            packed: All training scenes.
+            drawn: The scenes of the minibatch.
+            recipe: The training's.
+            generator: Of random numbers, on the scenes' device.
+        """
         import torch
 
         from reflest_core.models.hemicnn.batched_hemispheres import batched_hemispheres

@@ -18,12 +18,20 @@ SIZE = 10
 def hemisphere_images(
     surface: ObservedSurface, voxels: NDArray[np.int64], azimuths: NDArray[np.float64] | None = None
 ) -> NDArray[np.float32]:
-    """Images (N, 3, 10, 10) float32 of the given voxels (N,), 8-bit sRGB / 255.
+    """Make the images of voxels.
 
     Each observation is projected onto the tangent plane's unit disc; a pixel takes the colour of
-    the nearest one. Column follows the tangent, row the bitangent, of :func:`tangent_frame`, turned
-    by ``azimuths`` (N,) radians (training augments with them). A voxel without an observation on
-    its positive hemisphere is black.
+    the nearest one. Column follows the tangent, row the bitangent, of :func:`tangent_frame`. A
+    voxel without an observation on its positive hemisphere is black.
+
+    Args:
+        surface: A scan, or a material's part of one, upright (+z is up).
+        voxels: (N,) indices of voxels, all observed.
+        azimuths: (N,) radians, turns about the normal, with which training augments; None for
+            none.
+
+    Returns:
+        (N, 3, 10, 10) float32, 8-bit sRGB / 255.
     """
     if azimuths is None:
         azimuths = np.zeros(len(voxels))

@@ -37,6 +37,11 @@ class LiveHemiCNN:
 
     def __init__(self, tensors: Tensors) -> None:
         # The channel comes last here, so that a patch is copied in long runs.
+        """Take the weights.
+
+        Args:
+            tensors: The trained weights by name.
+        """
         self._conv1 = _channels_last(tensors["conv1.weight"], tensors["conv1.bias"])
         self._conv2 = _channels_last(tensors["conv2.weight"], tensors["conv2.bias"])
         pooled = tensors["fc1.weight"].reshape(64, 16, 3, 3)
@@ -50,14 +55,21 @@ class LiveHemiCNN:
         voxels: NDArray[np.int64],
         found: Explanation | None = None,
     ) -> Scores:
-        """The parameters of the surface, from the hemisphere images of ``voxels``.
+        """Estimate from the hemisphere images of the voxels.
 
-        The network sees no light: ``found`` changes nothing.
+        Args:
+            surface: A scan, or a material's part of one, upright (+z is up).
+            voxels: (N,) indices of voxels, all observed.
+            found: The material in the light of its scene; not used, for the network sees no light.
         """
         return Scores(self.evaluate(hemisphere_images(surface, voxels)))
 
     def evaluate(self, images: Array) -> Array:
-        """(5,) z-scored parameters; ``images``: (N, 3, 10, 10), colours in [0, 1]."""
+        """Estimate (5,) z-scored parameters.
+
+        Args:
+            images: (N, 3, 10, 10), colours in [0, 1].
+        """
         with one_blas_thread():
             values: Array = np.ascontiguousarray(images.transpose(0, 2, 3, 1))
             values = _convolve(values, self._conv1)

@@ -23,7 +23,11 @@ class HemiCNN(nn.Module):
         self.fc3 = nn.Linear(32, len(PARAMETERS))
 
     def forward(self, images: torch.Tensor) -> torch.Tensor:
-        """Describe each voxel, keep the largest response over voxels, regress."""
+        """Describe each voxel, keep the largest response over voxels, regress.
+
+        Args:
+            images: (B, N, 3, 10, 10), colours in [0, 1].
+        """
         batch, voxels = images.shape[:2]
         x = images.flatten(0, 1)
         x = torch.relu(self.conv1(x))

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""lightnet as the registry knows it, and how it is trained."""
+"""Definition of lightnet for the registry, with its recipes."""
 
 from __future__ import annotations
 
@@ -68,7 +68,14 @@ class LightNetDefinition(NetworkDefinition):
         voxels: NDArray[np.int64],
         found: Explanation | None = None,
     ) -> Features:
-        """Compute the arrays of ``LightFeatures``, under the light that the surface was seen in."""
+        """Compute the arrays of ``LightFeatures``, under the light that the surface was seen in.
+
+        Args:
+            surface: A scan, or a material's part of one, upright (+z is up).
+            voxels: (N,) indices of voxels, all observed.
+            found: The material in the light of its scene; None takes the surface for a scene of
+                one material.
+        """
         from reflest_core.models.lightnet.features import light_features
 
         made = light_features(surface, voxels, found)
@@ -83,7 +90,12 @@ class LightNetDefinition(NetworkDefinition):
         return SHAPES
 
     def live(self, tensors: Tensors, threads: int) -> LiveLightNet:
-        """Make the NumPy form, which runs on one thread."""
+        """Make the NumPy form, which runs on one thread.
+
+        Args:
+            tensors: The trained weights by name.
+            threads: CPU threads that it may use.
+        """
         from reflest_core.models.lightnet.live import LiveLightNet
 
         return LiveLightNet(tensors)

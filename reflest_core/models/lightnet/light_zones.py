@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The light in rings of elevation: what is known of it, whichever way the scene is turned."""
+"""The light in rings of elevation, which do not change when the scene turns about the vertical."""
 
 from __future__ import annotations
 
@@ -19,7 +19,14 @@ SIZE = 48
 
 
 def light_zones(light: LightPyramid) -> NDArray[np.float32]:
-    """(8, 5): mean completed linear radiance (3), seen share and clipped share of each ring."""
+    """Average the light over each ring.
+
+    Args:
+        light: The completed light.
+
+    Returns:
+        (8, 5) float32: mean completed linear radiance (3), seen share and clipped share.
+    """
     level = next(level for level in light.levels if len(level) == SIZE)
     return np.asarray(_weights() @ level.reshape(-1, 5), np.float32)
 

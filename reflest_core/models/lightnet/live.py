@@ -20,7 +20,7 @@ from reflest_core.surface.observed_surface import ObservedSurface
 Array = NDArray[np.float32]
 
 FLOOR = 0.03
-"""Added before a logarithm: ratios below it say the same, dark."""
+"""Added before a logarithm; ratios below it count as dark."""
 FURTHEST = 4.0
 """Standard deviations from the mean at which a statistic is held."""
 
@@ -29,6 +29,11 @@ class LiveLightNet:
     """The network of ``models/lightnet/network.py`` with its ``tensors``."""
 
     def __init__(self, tensors: Tensors) -> None:
+        """Take the weights.
+
+        Args:
+            tensors: The trained weights by name.
+        """
         self._observation = _two_layers(tensors, "observation")
         self._voxel = _two_layers(tensors, "voxel")
         self._attention = DenseLayer.of(tensors, "attention")
@@ -48,11 +53,22 @@ class LiveLightNet:
         voxels: NDArray[np.int64],
         found: Explanation | None = None,
     ) -> Scores:
-        """What the shading of ``voxels`` tells, under the light that the surface was seen in."""
+        """Estimate from the features of the voxels.
+
+        Args:
+            surface: A scan, or a material's part of one, upright (+z is up).
+            voxels: (N,) indices of voxels, all observed.
+            found: The material in the light of its scene; None takes the surface for a scene of
+                one material.
+        """
         return Scores(*self.evaluate(light_features(surface, voxels, found)))
 
     def evaluate(self, features: LightFeatures) -> tuple[Array, Array]:
-        """Means and log variances, (5,) each, of the z-scored parameters."""
+        """Estimate means and log variances, (5,) each, of the z-scored parameters.
+
+        Args:
+            features: Of one surface.
+        """
         with one_blas_thread():
             mean_light = features.diffuse_light.mean(axis=0)
             voxels = self._described_voxels(features, mean_light)
@@ -91,8 +107,8 @@ class LiveLightNet:
             features.found_gloss[FOUND_STRENGTHS:],
         )
         answers = [
-            _answer(np.atleast_2d(said), np.atleast_2d(of * scale))
-            for said, of, scale in zip(
+            _answer(np.atleast_2d(head), np.atleast_2d(of * scale))
+            for head, of, scale in zip(
                 (diffuse, strength, roughness),
                 found,
                 self._found_scale,
@@ -163,11 +179,11 @@ class _Standard(NamedTuple):
         return np.asarray(np.clip((values - self.mean) / self.deviation, -FURTHEST, FURTHEST))
 
 
-def _answer(said: Array, found: Array) -> tuple[Array, Array]:
+def _answer(head: Array, found: Array) -> tuple[Array, Array]:
     """Mean and log variance, (N,) each; see ``models/lightnet/network.py``."""
-    belief = np.exp(said[:, 2:] - said[:, 2:].max(axis=1, keepdims=True))
-    belief /= belief.sum(axis=1, keepdims=True)
-    return said[:, 0] + (belief[:, :-1] * found).sum(axis=1), said[:, 1]
+    weights = np.exp(head[:, 2:] - head[:, 2:].max(axis=1, keepdims=True))
+    weights /= weights.sum(axis=1, keepdims=True)
+    return head[:, 0] + (weights[:, :-1] * found).sum(axis=1), head[:, 1]
 
 
 def _two_layers(tensors: Tensors, name: str) -> tuple[DenseLayer, DenseLayer]:

@@ -15,16 +15,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 LIMITS = (-0.5, 2.0)
-"""Slopes and intercepts beyond these say only that the fit failed."""
+"""Bounds of slopes and intercepts; beyond them a fit has failed."""
 PRIOR_VARIANCE = 1e-4
 """Added to the variance of a lobe: a lobe that hardly varies has slope 0."""
 
 
 @dataclass(frozen=True)
 class LobeFit:
-    """``voxels``: (V, 3, K, 3) float32, ``scene``: (3, K, 3) float32.
+    """Fits by channel and roughness.
 
-    Axes: channel, roughness, and slope, intercept, explained share of the variance in [0, 1].
+    The last axis holds slope, intercept and explained share of the variance in [0, 1].
+
+    Attributes:
+        voxels: (V, 3, K, 3) float32, of each voxel.
+        scene: (3, K, 3) float32, of all voxels.
     """
 
     voxels: NDArray[np.float32]
@@ -37,10 +41,13 @@ def fit_lobes(
     weight: NDArray[np.float32],
     voxel_weight: NDArray[np.float32],
 ) -> LobeFit:
-    """Fit ``apparent`` (V, O, 3) on ``lobe`` (V, O, K, 3).
+    """Fit observations as lines over each roughness's lobe, by least squares.
 
-    ``weight``: (V, O, 3) of each observation, 0 where there is none or where it is clipped.
-    ``voxel_weight``: (V,) of each voxel in the scene's fit, whose slope is that within voxels.
+    Args:
+        apparent: (V, O, 3), observations over diffuse light.
+        lobe: (V, O, K, 3), the lobe of each roughness over diffuse light.
+        weight: (V, O, 3) of each observation, 0 where there is none or where it is clipped.
+        voxel_weight: (V,) of each voxel in the scene's fit, whose slope is that within voxels.
     """
     y = apparent.transpose(0, 2, 1)[:, :, None].astype(np.float64)
     x = lobe.transpose(0, 3, 2, 1).astype(np.float64)

@@ -1,11 +1,11 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""lightnet: what the known light leaves open, read from many small ratios (our own network).
+"""lightnet's PyTorch module: a network over ratios of observations to the known light.
 
-Every number that goes in compares an observation with what the light seen in the background would
-do (:mod:`reflest_core.models.lightnet.features`), or says what the physics found by itself and how
-sure it is (:mod:`reflest_core.models.lightnet.scene_statistics`). The three colour channels pass
-through the same weights and meet only in means and maxima, so that none is special.
+Every input compares an observation with what the light seen in the background would do there
+(:mod:`reflest_core.models.lightnet.features`), or is a result of the physics with its deviation
+(:mod:`reflest_core.models.lightnet.scene_statistics`). The three colour channels pass through the
+same weights and meet only in means and maxima, so that none is special.
 """
 
 from __future__ import annotations
@@ -27,16 +27,13 @@ from reflest_core.models.lightnet.shapes import (
 DROPPED = 0.3
 """Share of a scene's numbers that is left out at a time while training."""
 FOUND_SCALE = (5.0, 3.5, 15.0)
-"""To begin with, what turns ``rho_d``, ``rho_s`` and ``alpha`` into standard units."""
+"""At the start of training, what turns ``rho_d``, ``rho_s`` and ``alpha`` into standard units."""
 MOMENTUM = 0.01
 """Share of a minibatch in the running means of :class:`Standard`."""
 
 
 class LightNet(nn.Module):
-    """Shading (arrays of :class:`Shading`, batched) to means and log variances, (B, 5) each.
-
-    Z-scored ``rho_d`` (3), ``rho_s``, ``alpha``.
-    """
+    """From the arrays of ``LightFeatures`` to means and log variances of z-scored parameters."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -75,7 +72,34 @@ class LightNet(nn.Module):
         found_albedo: torch.Tensor,
         found_gloss: torch.Tensor,
     ) -> tuple[torch.Tensor, torch.Tensor]:
-        """Shapes as in :class:`Shading` with a leading B; voxels never seen are padding."""
+        """Estimate B surfaces; voxels without observations are padding.
+
+        The arguments are described at
+        :class:`~reflest_core.models.lightnet.features.LightFeatures`.
+
+        Args:
+            is_seen: (B, V, O) bool.
+            apparent: (B, V, O, 3).
+            clipped: (B, V, O, 3).
+            cosine: (B, V, O).
+            lobe: (B, V, O, K, 3).
+            lobe_seen: (B, V, O, K).
+            lobe_clipped: (B, V, O, K).
+            normals: (B, V, 3).
+            diffuse_light: (B, V, 3).
+            diffuse_seen: (B, V).
+            diffuse_clipped: (B, V).
+            voxel_fit: (B, V, 3, K, 3).
+            scene_fit: (B, 3, K, 3).
+            zones: (B, 8, 5).
+            channel_statistics: (B, 3, C).
+            statistics: (B, S).
+            found_albedo: (B, 3, A).
+            found_gloss: (B, G).
+
+        Returns:
+            Means and log variances, (B, 5) each, of z-scored ``rho_d`` (3), ``rho_s``, ``alpha``.
+        """
         per_channel = (*apparent.shape[:3], 3)
         observations = torch.cat(
             [
@@ -146,7 +170,7 @@ class LightNet(nn.Module):
 
 
 class Standard(nn.Module):
-    """(..., N) to the same less the mean, over the standard deviation, within +-4.
+    """Inputs less their mean, over their standard deviation, within +-4.
 
     While training, running means over the minibatches; unlike batch normalisation the same
     numbers are used in training and afterwards.
@@ -157,13 +181,22 @@ class Standard(nn.Module):
     seen: torch.Tensor
 
     def __init__(self, inputs: int) -> None:
+        """Begin with mean 0 and variance 1.
+
+        Args:
+            inputs: N, how many there are.
+        """
         super().__init__()
         self.register_buffer("mean", torch.zeros(inputs))
         self.register_buffer("variance", torch.ones(inputs))
         self.register_buffer("seen", torch.zeros(1))
 
     def forward(self, values: torch.Tensor) -> torch.Tensor:
-        """Standard scores of ``values``."""
+        """Compute standard scores.
+
+        Args:
+            values: (..., N).
+        """
         if self.training:
             self._follow(values.detach().flatten(0, -2))
         scores = (values - self.mean) / torch.sqrt(self.variance + 1e-4)
@@ -178,17 +211,24 @@ class Standard(nn.Module):
         self.seen += 1.0
 
 
-def _answer(said: torch.Tensor, found: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-    """Mean and log variance, (B, N) each, of what a head ``said`` (B, N, 3 + A) of N parameters.
+def _answer(head: torch.Tensor, found: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+    """Mean and log variance, (B, N) each, of N parameters.
 
-    ``found``: (B, N, A), what the physics says. It is believed in part, and added to.
+    ``head``: (B, N, 3 + A), a head's outputs. ``found``: (B, N, A), answers of the physics, of
+    which a weighted mean is added to the head's own.
     """
-    belief = torch.softmax(said[..., 2:], dim=-1)[..., :-1]
-    return said[..., 0] + (belief * found).sum(dim=-1), said[..., 1]
+    weights = torch.softmax(head[..., 2:], dim=-1)[..., :-1]
+    return head[..., 0] + (weights * found).sum(dim=-1), head[..., 1]
 
 
 def pooled(x: torch.Tensor, seen: torch.Tensor, count: torch.Tensor) -> torch.Tensor:
-    """Mean, standard deviation and maximum over the observations (dim 2) that were seen."""
+    """Compute mean, standard deviation and maximum over the observations (dim 2) that were seen.
+
+    Args:
+        x: (B, V, O, C, W).
+        seen: (B, V, O, 1, 1), 1 or 0.
+        count: (B, V, 1, 1), observations of each voxel.
+    """
     mean = (x * seen).sum(dim=2) / count.clamp(min=1)
     squares = ((x - mean[:, :, None]) ** 2 * seen).sum(dim=2) / count.clamp(min=1)
     greatest = torch.where(count > 0, (x + (seen - 1.0) * 1e4).amax(dim=2), 0.0)

@@ -1,9 +1,9 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What a surface shows of its albedo by which way it faces: down, sideways or up.
+"""Colours over light, binned by normal elevation.
 
-Light that nobody saw is mostly above. So what faces down tells the albedo under light that was
-seen, and how the ratio of colour to light grows from there upwards tells of the rest.
+Light that was not seen is mostly above. So surfaces that face down show the albedo under light that
+was seen, and the growth of colour over light from there upwards depends on the light that was not.
 """
 
 from __future__ import annotations
@@ -24,12 +24,13 @@ Array = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class NormalBands:
-    """Means over each of B bands, from below.
+    """Means over each of B bands, from below; 0 for bands without voxels.
 
-    ``of_channels``: (3, 3 B), of the logarithm of colour over the light as pull and push filled it,
-    of that over the whole light, and of what is clipped. ``of_all``: (2 B,), of the share of the
-    light that was seen, and the logarithm of the share of voxels. Where none faces, the means
-    are 0.
+    Attributes:
+        of_channels: (3, 3 B), of the logarithm of colour over the smoothly filled light, of that
+            over the completed light, and of what is clipped.
+        of_all: (2 B,), of the share of the light that was seen, and the logarithm of the share of
+            voxels.
     """
 
     of_channels: Array
@@ -39,7 +40,15 @@ class NormalBands:
     def of(
         normals: Array, by_fill: Array, by_whole: Array, clipped: Array, seen: Array
     ) -> NormalBands:
-        """Of V voxels; (V, 3) each, but ``seen``: (V,). ``clipped`` is 1 or 0."""
+        """Average over the bands of V voxels.
+
+        Args:
+            normals: (V, 3).
+            by_fill: (V, 3), logarithm of colour over the smoothly filled light.
+            by_whole: (V, 3), logarithm of colour over the completed light.
+            clipped: (V, 3), 1 or 0.
+            seen: (V,), share of the light that was seen.
+        """
         is_member = np.searchsorted(EDGES, normals[:, 2]) == np.arange(BANDS)[:, None]
         counts = is_member.sum(axis=1, keepdims=True)
         mean = (is_member / np.maximum(counts, 1)).astype(np.float32)

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What was found of light and material, as numbers of order 1 for the network to weigh."""
+"""Light and material as inferred, in numbers of order 1 for the network."""
 
 from __future__ import annotations
 
@@ -28,21 +28,30 @@ FURTHEST = 8.0
 """Greatest size of a number that is passed on."""
 _QUANTILES = (0.1, 0.5, 0.9)
 _PROBED = (0, 3, 7)
-"""Roughnesses at which it is told how much of the lobes' light was seen."""
+"""Roughnesses at which the seen share of the lobes' light enters."""
 
 Array = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
 class SceneStatistics:
-    """``of_channels``: (3, C) float32 by colour channel. ``of_all``: (S,) float32 of all three."""
+    """Numbers of a scene.
+
+    Attributes:
+        of_channels: (3, C) float32, by colour channel.
+        of_all: (S,) float32, of all three.
+    """
 
     of_channels: Array
     of_all: Array
 
 
 def scene_statistics(found: Explanation) -> SceneStatistics:
-    """Gather what the explanation of a material says; no number depends on where +x points."""
+    """Gather numbers of a material's explanation; none depends on where +x points.
+
+    Args:
+        found: The material in the light of its scene.
+    """
     surface = found.surface
     filled, whole = (
         weighted_radiance(light, found.incoming) for light in (found.filled, found.light)

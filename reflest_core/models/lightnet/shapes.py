@@ -34,7 +34,7 @@ ONE_LAYER = {
     "roughness_head": (SCENE, 3 + FOUND_ROUGHNESSES),
 }
 """Inputs and outputs of the others. Of a head: what the network adds, the log variance, and logits
-of how far each answer of the physics is believed, and none of them."""
+of the weights of the physics' answers and of none of them."""
 STANDARDS = {"of_channel": CHANNEL_INPUTS, "of_all": SHARED_INPUTS}
 """Inputs that are taken in standard units."""
 

@@ -30,9 +30,13 @@ class TrainingError(ReflestError):
 
 @dataclass(frozen=True)
 class Sample:
-    """``ward``: (5,) float64 true ``rho_d`` (3), ``rho_s``, ``alpha``.
+    """A scene.
 
-    ``environment``: the light's name. ``index``: of the scene in its split.
+    Attributes:
+        surface: What was observed.
+        ward: (5,) float64, the true ``rho_d`` (3), ``rho_s``, ``alpha``.
+        environment: Name of the light.
+        index: Of the scene in its split.
     """
 
     surface: ObservedSurface
@@ -41,30 +45,52 @@ class Sample:
     index: int = 0
 
     def parameters(self, kind: str) -> NDArray[np.float64]:
-        """(5,) truth as ``ward`` or ``labcd``."""
+        """Return the truth (5,) in one parameterisation.
+
+        Args:
+            kind: ``ward`` or ``labcd``.
+        """
         return self.ward if kind == "ward" else ward_to_labcd(self.ward)
 
 
 @dataclass(frozen=True)
 class Degradation:
-    """The faults that scenes get, drawn from ``seed`` for each scene."""
+    """The faults of a real capture, drawn for each scene.
+
+    Attributes:
+        realism: Which faults, and how strong.
+        seed: Of what is random.
+    """
 
     realism: Realism
     seed: int
 
     @property
     def effects(self) -> list[Effect]:
-        """Those that change anything."""
+        """The faults that are on."""
         return [effect for effect in Effect if self.realism.is_on(effect)]
 
     def applied(self, scene: SynbrdfScene) -> SynbrdfScene:
-        """``scene`` with its faults; always the same ones."""
+        """Return a scene with its faults, always the same ones.
+
+        Args:
+            scene: The scene.
+        """
         rng = generator(self.seed, Split(scene.split), scene.index, Purpose.REALISM)
         return degrade(scene, self.realism, rng)
 
 
 def load_samples(folder: Path, split: str, degradation: Degradation | None = None) -> list[Sample]:
-    """All usable scenes of one split of a SynBRDF folder, in order; with faults if given."""
+    """Load all usable scenes of a split, in order.
+
+    Args:
+        folder: Of a SynBRDF set.
+        split: ``train``, ``validation`` or ``unseen``.
+        degradation: Faults that every scene gets; None for none.
+
+    Raises:
+        TrainingError: There is none.
+    """
     samples = [sample_of(scene) for scene in usable_scenes(folder, split, degradation)]
     if not samples:
         raise TrainingError(f"{folder} holds no scenes of split {split!r}; generate them first")
@@ -74,7 +100,13 @@ def load_samples(folder: Path, split: str, degradation: Degradation | None = Non
 def usable_scenes(
     folder: Path, split: str, degradation: Degradation | None = None
 ) -> Iterator[SynbrdfScene]:
-    """The scenes of a split that show enough of a surface, in order; with faults if given."""
+    """Read the scenes of a split that show enough of a surface, in order.
+
+    Args:
+        folder: Of a SynBRDF set.
+        split: ``train``, ``validation`` or ``unseen``.
+        degradation: Faults that every scene gets; None for none.
+    """
     scenes: Iterable[SynbrdfScene] = load_scenes(folder, split)
     if degradation is not None:
         scenes = map(degradation.applied, scenes)
@@ -85,7 +117,11 @@ def usable_scenes(
 
 
 def sample_of(scene: SynbrdfScene) -> Sample:
-    """What an estimate of the scene sees, and the truth; without the light in the background."""
+    """Make the sample of a scene, without the light in its background.
+
+    Args:
+        scene: The scene.
+    """
     truth = scene.truth
     ward = np.array([*truth.rho_d, truth.rho_s, truth.alpha])
     return Sample(scene.surface, ward, scene.environment, scene.index)

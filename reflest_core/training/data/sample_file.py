@@ -25,7 +25,12 @@ ARRAYS = PER_VOXEL + PER_OBSERVATION + PER_VIEW
 
 
 def save_samples(path: Path, samples: list[Sample]) -> None:
-    """Write ``samples`` atomically, without the light that was seen in the background."""
+    """Write samples, whole or not at all, without the light in their background.
+
+    Args:
+        path: Of the file.
+        samples: The scenes, in order.
+    """
     surfaces = [sample.surface for sample in samples]
     arrays = {name: np.concatenate([getattr(s, name) for s in surfaces]) for name in ARRAYS}
     counts = np.concatenate([surface.observation_counts for surface in surfaces])
@@ -42,7 +47,14 @@ def save_samples(path: Path, samples: list[Sample]) -> None:
 
 
 def read_samples(path: Path) -> list[Sample]:
-    """The scenes of :func:`save_samples`; :class:`TrainingError` names a file that is unusable."""
+    """Read the file of :func:`save_samples`.
+
+    Args:
+        path: Of the file.
+
+    Raises:
+        TrainingError: The file is damaged or of another format.
+    """
     try:
         with safe_open(path, framework="numpy") as file:
             metadata = file.metadata() or {}

@@ -22,7 +22,13 @@ SCENES_A_FILE = 700
 
 @dataclass(frozen=True)
 class TrainingData:
-    """The scenes, and what the weight file's card says of them."""
+    """Scenes to train on.
+
+    Attributes:
+        training: To learn from.
+        validation: To choose weights by.
+        described: What the weight file's card says of them.
+    """
 
     training: list[Sample]
     validation: list[Sample]
@@ -32,10 +38,14 @@ class TrainingData:
 def load_training_data(
     folders: Sequence[Path], degradation: Degradation | None = None
 ) -> TrainingData:
-    """Train scenes of SynBRDF folders, or of such as :func:`pack` wrote; the first's validation.
+    """Load training scenes of all folders and validation scenes of the first.
 
-    With ``degradation`` every training scene comes a second time, with faults; a packed folder
-    has those that it was packed with.
+    With ``degradation`` every training scene comes a second time, with faults; a packed folder has
+    those that it was packed with.
+
+    Args:
+        folders: Of SynBRDF, or packed; validation scenes are the first's.
+        degradation: Faults that every scene gets; None for none.
     """
     first = _load(folders[0], degradation)
     if len(folders) == 1:
@@ -66,7 +76,12 @@ def _load(folder: Path, degradation: Degradation | None, is_first: bool = True) 
 
 
 def pack(data: TrainingData, folder: Path) -> None:
-    """Write ``data`` into ``folder``, in files of about 50 MB."""
+    """Write scenes into a folder, in files of about 50 MB.
+
+    Args:
+        data: What is written.
+        folder: Where.
+    """
     for split, samples in (("train", data.training), ("validation", data.validation)):
         for first in range(0, len(samples), SCENES_A_FILE):
             some = samples[first : first + SCENES_A_FILE]

@@ -1,3 +1,3 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Training ``lightnet``, the network that knows the light seen behind the object."""
+"""Training of ``lightnet`` on simulated scans, each with the light that its views show."""

@@ -19,7 +19,7 @@ Features = dict[str, torch.Tensor]
 PARTS = {
     "light": "where light comes from: F, B and the observations alone are left",
     "fit": "fits of roughness and albedo to voxels and to the scene",
-    "completion": "what the surface says about light that was not seen, or seen clipped",
+    "completion": "what the surface shows of light that was not seen, or seen clipped",
     "visibility": "what the object hides from itself, and sends there (needs scans of its own)",
     "shares": "how much of the light was seen, and how much of that was clipped",
     "uncertainty": "the likelihood: the loss is the plain squared error",
@@ -39,6 +39,9 @@ SHARES = ("lobe_seen", "lobe_clipped", "diffuse_seen", "diffuse_clipped")
 
 def check_parts(without: tuple[str, ...]) -> None:
     """Check names of parts.
+
+    Args:
+        without: Names of parts.
 
     Raises:
         TrainingError: There is no part of a name; the sentence lists those that there are.

@@ -48,7 +48,12 @@ class ScanFolder:
     jobs: int
 
     def made(self, data: Path, plan: ScanPlan) -> list[Path]:
-        """Simulate the scans of a plan that are missing; return all files."""
+        """Simulate the scans of a plan that are missing; return all files.
+
+        Args:
+            data: Folder of a SynBRDF set.
+            plan: Which scans.
+        """
         return make_scans(data, plan, self.folder, self.jobs)
 
 

@@ -47,7 +47,11 @@ class MeasuredScans:
 
     @staticmethod
     def joined(some: list[MeasuredScans]) -> MeasuredScans:
-        """Join several."""
+        """Join several.
+
+        Args:
+            some: What is joined.
+        """
         return MeasuredScans(
             *(
                 np.concatenate([getattr(one, field.name) for one in some])
@@ -56,7 +60,11 @@ class MeasuredScans:
         )
 
     def where(self, is_wanted: NDArray[np.bool_]) -> MeasuredScans:
-        """Select by a mask (L,)."""
+        """Select by a mask (L,).
+
+        Args:
+            is_wanted: (L,) mask.
+        """
         return MeasuredScans(*(getattr(self, field.name)[is_wanted] for field in fields(self)))
 
     @property
@@ -84,7 +92,11 @@ class MeasuredScans:
         return float(np.mean([NormalisedRmse.of(some.errors).overall for some in by_views]))
 
     def figures(self, calibration: Calibration) -> dict[str, Any]:
-        """Return JSON values for each number of views, with calibrated intervals."""
+        """Return JSON values for each number of views, with calibrated intervals.
+
+        Args:
+            calibration: Of the intervals.
+        """
         return {
             str(count): self.where(self.views == count)._figures(calibration)
             for count in self.view_counts
@@ -113,7 +125,11 @@ class MeasuredScans:
         return dict(sorted(found.items(), key=lambda pair: pair[1]))
 
     def save(self, folder: Path) -> None:
-        """Write :data:`HELD_OUT` into a training's folder, whole or not at all."""
+        """Write :data:`HELD_OUT` into a training's folder, whole or not at all.
+
+        Args:
+            folder: The training's.
+        """
         with whole_file(folder / HELD_OUT) as file:
             np.savez_compressed(
                 file, **{field.name: getattr(self, field.name) for field in fields(self)}
@@ -122,6 +138,9 @@ class MeasuredScans:
     @staticmethod
     def read(folder: Path) -> MeasuredScans:
         """Read those of a training.
+
+        Args:
+            folder: The training's.
 
         Raises:
             TrainingError: The folder has none, or they are damaged.

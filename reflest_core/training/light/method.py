@@ -37,7 +37,11 @@ class LightTraining(TrainingMethod):
     )
 
     def add_options(self, parser: argparse.ArgumentParser) -> None:
-        """Add the options as a group."""
+        """Add the options as a group.
+
+        Args:
+            parser: The parser of ``reflest train``.
+        """
         group = parser.add_argument_group("lightnet", "options of --model lightnet")
         group.add_argument(
             "--scan-folder",
@@ -76,6 +80,10 @@ class LightTraining(TrainingMethod):
     def recipe(self, base: Recipe, arguments: argparse.Namespace) -> Recipe:
         """Return the recipe with what the options change.
 
+        Args:
+            base: The network's recipe with what the common options change.
+            arguments: All options.
+
         Raises:
             ParameterError: ``--hold-out`` and ``--calibration`` are both given.
         """
@@ -97,7 +105,14 @@ class LightTraining(TrainingMethod):
         arguments: argparse.Namespace,
         processes: Processes,
     ) -> LightTask:
-        """Simulate the scans that are missing, in the first process, and load all."""
+        """Simulate the scans that are missing, in the first process, and load all.
+
+        Args:
+            definition: The network.
+            recipe: The training's.
+            arguments: All options.
+            processes: Those that train together.
+        """
         from reflest_core.training.light.ablation import check_parts
         from reflest_core.training.light.data import ScanFolder, load_light_data
         from reflest_core.training.light.measured_scans import MeasuredScans

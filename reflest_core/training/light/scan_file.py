@@ -42,7 +42,7 @@ AXES = {
 """The arrays of ``LightFeatures`` by their axes: how they are padded, thinned and varied.
 
 V voxels, O observations of one voxel, C colour channels, K roughnesses, D a direction in the
-world, F what a fit says, Z rings of elevation, R three colour channels and then shares."""
+world, F results of a fit, Z rings of elevation, R three colour channels and then shares."""
 FORMAT = "reflest-scans-1"
 LARGEST = 6e4
 """Near the largest float16; only ratios to no light at all come there."""
@@ -66,7 +66,11 @@ class ScanCard:
 
 
 def as_row(features: LightFeatures) -> dict[str, NDArray[Any]]:
-    """Make the arrays of a scan as they are stored: float16, padded to an estimate's voxels."""
+    """Make the arrays of a scan as they are stored: float16, padded to an estimate's voxels.
+
+    Args:
+        features: Of one scan.
+    """
     row = {}
     for name, axes in AXES.items():
         array = getattr(features, name)
@@ -124,7 +128,11 @@ def read_cards(path: Path, fingerprint: str | None = None) -> list[ScanCard]:
 
 
 def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
-    """Read the arrays of a file with at least one scan."""
+    """Read the arrays of a file with at least one scan.
+
+    Args:
+        path: Of the file.
+    """
     with _opened(path) as file:
         return {name: file.get_tensor(name) for name in AXES}
 

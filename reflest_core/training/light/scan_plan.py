@@ -55,16 +55,28 @@ class ScanPlan:
         return f"{self.split}-{kind}-only-{names[:8]}"
 
     def takes(self, environment: str) -> bool:
-        """Whether scenes under ``environment`` are scanned."""
+        """Whether scenes under ``environment`` are scanned.
+
+        Args:
+            environment: Name of a light.
+        """
         return not self.only or environment in self.only
 
     def draws(self, index: int) -> Iterator[tuple[ScanDraw, np.random.Generator]]:
-        """Draw the scans of scene ``index``, always the same, each with its generator."""
+        """Draw the scans of scene ``index``, always the same, each with its generator.
+
+        Args:
+            index: Of a scene in its split.
+        """
         for number in range(self.varied or len(MEASURED_VIEWS)):
             rng = np.random.default_rng([index, number])
             yield training_draw(rng) if self.varied else ScanDraw(MEASURED_VIEWS[number]), rng
 
     def fingerprint(self, scenes: str) -> str:
-        """Hash (hex) of the plan, of the code that follows it and of the ``scenes``' cards."""
+        """Hash (hex) of the plan, of the code that follows it and of the ``scenes``' cards.
+
+        Args:
+            scenes: The scenes' cards, as stored.
+        """
         decided = f"{self} {VOXELS} {sorted(AXES)} {source_fingerprint(*SOURCES)} {scenes}"
         return hashlib.sha256(decided.encode()).hexdigest()

@@ -55,7 +55,11 @@ class ScanDraw:
 
 
 def training_draw(rng: np.random.Generator) -> ScanDraw:
-    """Draw 5 to 100 views, an exposure that is a little off, and faults half of the time."""
+    """Draw 5 to 100 views, an exposure that is a little off, and faults half of the time.
+
+    Args:
+        rng: Of random numbers.
+    """
     few = rng.uniform() < 0.5
     views = int(np.exp(rng.uniform(np.log(5), np.log(101)))) if few else int(rng.integers(20, 101))
     exposure = float(np.exp(rng.normal(0.0, 0.25)))

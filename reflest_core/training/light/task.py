@@ -85,11 +85,21 @@ class LightTask:
         return LightNet().to(self.device)
 
     def batches(self, first: int, parts: Sequence[int]) -> Iterator[LightBatch]:
-        """See :func:`~reflest_core.training.light.light_batches.light_batches`."""
+        """See :func:`~reflest_core.training.light.light_batches.light_batches`.
+
+        Args:
+            first: Number of the first minibatch.
+            parts: Which parts of each minibatch.
+        """
         return light_batches(self.data.training, self.recipe, first, parts, self.device)
 
     def loss(self, network: torch.nn.Module, batch: LightBatch) -> torch.Tensor:
-        """Compute the likelihood loss, or the squared error without uncertainty, in float32."""
+        """Compute the likelihood loss, or the squared error without uncertainty, in float32.
+
+        Args:
+            network: The network.
+            batch: The minibatch.
+        """
         reduced = self.recipe.precision == "bfloat16"
         with torch.autocast(self.device.type, torch.bfloat16, enabled=reduced):
             means, log_variances = network(**batch.features)
@@ -102,11 +112,20 @@ class LightTask:
         return likelihood_loss(means, log_variances, truth)
 
     def rmse(self, module: torch.nn.Module) -> float:
-        """Measure :attr:`MeasuredScans.criterion` on validation."""
+        """Measure :attr:`MeasuredScans.criterion` on validation.
+
+        Args:
+            module: The network.
+        """
         return self._measured(module, self.data.validation).criterion
 
     def save(self, best: Weights, folder: RunFolder) -> None:
-        """Write the calibrated weight file, its figures and the errors under held-out lights."""
+        """Write the calibrated weight file, its figures and the errors under held-out lights.
+
+        Args:
+            best: The weights to keep.
+            folder: The training's.
+        """
         module = self.make()
         module.load_state_dict(best)
         module.eval()

@@ -57,7 +57,11 @@ def draw_batch(drawer: SceneDrawer, recipe: Recipe, minibatch: int, part: int = 
 
 
 def joined(parts: Sequence[Batch]) -> Batch:
-    """Join parts into one batch."""
+    """Join parts into one batch.
+
+    Args:
+        parts: Of one minibatch.
+    """
     if len(parts) == 1:
         return parts[0]
     return Batch(

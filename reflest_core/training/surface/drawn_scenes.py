@@ -22,7 +22,12 @@ class SceneDrawer:
     """Draws minibatches of one :class:`PackedScenes` from one generator, on its device."""
 
     def __init__(self, packed: PackedScenes, augmentation: Augmentation) -> None:
-        """Prepare to draw from ``packed``, varied by ``augmentation``."""
+        """Prepare to draw from ``packed``, varied by ``augmentation``.
+
+        Args:
+            packed: The scenes to draw from.
+            augmentation: How they are varied.
+        """
         self.packed, self.augmentation = packed, augmentation
         self.most_voxels, self.most_views = packed.most_voxels, packed.most_views
         self.most_observations = packed.most_observations
@@ -141,7 +146,11 @@ def _kept_counts(
 
 
 def about_vertical(angles: Tensor) -> Tensor:
-    """Make rotations (B, 3, 3) by ``angles`` (B,) radians about +z."""
+    """Make rotations (B, 3, 3) by ``angles`` (B,) radians about +z.
+
+    Args:
+        angles: (B,) radians.
+    """
     cosine, sine, zero, one = angles.cos(), angles.sin(), angles * 0, angles * 0 + 1
     rows = [cosine, -sine, zero, sine, cosine, zero, zero, zero, one]
     return torch.stack(rows, dim=1).view(-1, 3, 3)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class SurfaceTraining(TrainingMethod):
-    """Trains on the losses of Table 1; used for every network that says nothing else.
+    """Trains on the losses of Table 1; the default method of a network.
 
     The data are loaded once, for all networks that one command trains.
     """
@@ -30,7 +30,11 @@ class SurfaceTraining(TrainingMethod):
         self._loaded: TrainingData | None = None
 
     def add_options(self, parser: argparse.ArgumentParser) -> None:
-        """Add loss, lambda and realism."""
+        """Add loss, lambda and realism.
+
+        Args:
+            parser: The parser of ``reflest train``.
+        """
         parser.add_argument("--loss", choices=("rmse1", "rmse2", "cuberoot"), help="default: rmse1")
         parser.add_argument(
             "--lambda",
@@ -47,7 +51,12 @@ class SurfaceTraining(TrainingMethod):
         )
 
     def recipe(self, base: Recipe, arguments: argparse.Namespace) -> Recipe:
-        """Return the recipe with the given loss and lambda."""
+        """Return the recipe with the given loss and lambda.
+
+        Args:
+            base: The network's recipe with what the common options change.
+            arguments: All options.
+        """
         lambda_ = arguments.colour_constancy
         return dataclasses.replace(
             base,
@@ -56,7 +65,11 @@ class SurfaceTraining(TrainingMethod):
         )
 
     def data(self, arguments: argparse.Namespace) -> TrainingData:
-        """Load the scenes that the options ask for."""
+        """Load the scenes that the options ask for.
+
+        Args:
+            arguments: All options.
+        """
         from reflest_core.synbrdf.realism.settings import Realism, parse_effects
         from reflest_core.training.data.sample import Degradation
         from reflest_core.training.data.sample_sets import load_training_data
@@ -77,7 +90,14 @@ class SurfaceTraining(TrainingMethod):
         arguments: argparse.Namespace,
         processes: Processes,
     ) -> SurfaceTask:
-        """Load the scenes and make the task."""
+        """Load the scenes and make the task.
+
+        Args:
+            definition: The network.
+            recipe: The training's.
+            arguments: All options.
+            processes: Those that train together.
+        """
         from reflest_core.training.surface.task import SurfaceTask
 
         return SurfaceTask(recipe, self.data(arguments), processes.device)

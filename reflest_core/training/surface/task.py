@@ -60,22 +60,41 @@ class SurfaceTask:
         return self.definition.module().to(self.device)
 
     def batches(self, first: int, parts: Sequence[int]) -> Iterator[Batch]:
-        """Draw minibatches; see :func:`~reflest_core.training.surface.batches.batches`."""
+        """Draw minibatches; see :func:`~reflest_core.training.surface.batches.batches`.
+
+        Args:
+            first: Number of the first minibatch.
+            parts: Which parts of each minibatch.
+        """
         return batches(self.drawer, self.recipe, first, parts)
 
     def loss(self, network: torch.nn.Module, batch: Batch) -> torch.Tensor:
-        """Compute J (Eq. 3): products in the recipe's precision, the loss in float32."""
+        """Compute J (Eq. 3): products in the recipe's precision, the loss in float32.
+
+        Args:
+            network: The network.
+            batch: The minibatch.
+        """
         reduced = self.recipe.precision == "bfloat16"
         with torch.autocast(self.device.type, torch.bfloat16, enabled=reduced):
             scores = network(*batch.inputs)
         return self.objective(scores.float(), batch)
 
     def rmse(self, module: torch.nn.Module) -> float:
-        """Measure it in the parameters that the network is trained on."""
+        """Measure it in the parameters that the network is trained on.
+
+        Args:
+            module: The network.
+        """
         return self.validation.rmse(module)
 
     def save(self, best: Weights, folder: RunFolder) -> None:
-        """Write the weight file and, unquantised, ``<name>-float32.safetensors`` beside it."""
+        """Write the weight file and, unquantised, ``<name>-float32.safetensors`` beside it.
+
+        Args:
+            best: The weights to keep.
+            folder: The training's.
+        """
         card = WeightsCard(
             self.recipe.network,
             self.recipe.parameters,

@@ -48,11 +48,19 @@ class Validation:
         self.groups = _groups(self.inputs)
 
     def rmse(self, module: torch.nn.Module) -> float:
-        """Measure the network's normalised RMSE, in the parameters that it is trained on."""
+        """Measure the network's normalised RMSE, in the parameters that it is trained on.
+
+        Args:
+            module: The network.
+        """
         return normalised_rmse(self.predict(module), self.truths, self.statistics).overall
 
     def predict(self, module: torch.nn.Module) -> NDArray[np.float64]:
-        """Estimate (S, 5) parameters."""
+        """Estimate (S, 5) parameters.
+
+        Args:
+            module: The network.
+        """
         scores = np.empty(self.truths.shape)
         with torch.inference_mode():
             for group in self.groups:
