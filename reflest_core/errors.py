@@ -4,4 +4,4 @@
 
 
 class ReflestError(Exception):
-    """Says in one sentence what was wrong and what to turn; no traceback is shown for it."""
+    """Says in one sentence what was wrong and what to change; no traceback is shown for it."""

@@ -1,13 +1,13 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""How inner loops are compiled.
+"""Compilation of kernels to machine code.
 
 The kernels run without the global interpreter lock, so that the estimator's thread goes on beside
 them. Each has one order of evaluation, so that every result is bit-identical from run to run;
 fusion shares its large ones out in pieces that do not depend on each other
-(``fusion.work_sharing``). The compiled code is cached on disk; Numba notices an edit only in the
-file of the kernel itself, so delete ``__pycache__`` after editing a function that other files'
-kernels call.
+(:mod:`reflest_core.fusion.work_sharing`). The compiled code is cached on disk; Numba notices an
+edit only in the file of the kernel itself, so delete ``__pycache__`` after editing a function that
+other files' kernels call.
 """
 
 from __future__ import annotations
@@ -23,23 +23,42 @@ F = TypeVar("F", bound=Callable[..., object])
 
 
 def compiled(function: F) -> F:
-    """Return ``function`` compiled to machine code at its first call."""
+    """Compile a function at its first call.
+
+    Args:
+        function: Written in the subset of Python that Numba compiles.
+
+    Returns:
+        The compiled function.
+    """
     return cast(F, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
 
 
 def vectorised(function: F) -> F:
-    """The same, where plain loops over arrays of finite numbers are to use vector instructions.
+    """Compile a function whose plain loops over finite numbers are to use vector instructions.
 
     No value depends on the flags but those of NaNs and the sign of zeros.
+
+    Args:
+        function: Written in the subset of Python that Numba compiles.
+
+    Returns:
+        The compiled function.
     """
     decorator = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"nnan", "nsz"})
     return cast(F, decorator(function))
 
 
 def kernel_array(array: NDArray[Any], dtype: DTypeLike) -> NDArray[Any]:
-    """``array`` itself or a copy: of ``dtype``, C-contiguous and writable.
+    """Prepare an array for a kernel, which takes seconds to compile for every other layout.
 
-    A kernel is compiled anew, for seconds, for every other layout; images that wrap a message's
-    buffer, for one, are read-only.
+    Images that wrap a message's buffer, for one, are read-only.
+
+    Args:
+        array: Any array.
+        dtype: The type that the kernel takes.
+
+    Returns:
+        ``array`` itself or a copy: of ``dtype``, C-contiguous and writable.
     """
     return np.require(array, dtype, ["C", "W"])

@@ -21,7 +21,15 @@ class ParameterError(ReflestError):
 
 @dataclasses.dataclass(frozen=True)
 class ParameterInfo:
-    """What a user must know to turn a parameter. ``minimum`` and ``maximum`` are inclusive."""
+    """What a user must know to set a parameter.
+
+    Attributes:
+        description: One or two sentences.
+        unit: "" where there is none.
+        minimum: Smallest value allowed, inclusive; None without a limit.
+        maximum: Largest value allowed, inclusive; None without a limit.
+        choices: The values allowed; empty for any.
+    """
 
     description: str
     unit: str = ""
@@ -30,7 +38,15 @@ class ParameterInfo:
     choices: tuple[str, ...] = ()
 
     def check(self, name: str, value: object) -> None:
-        """Raise :class:`ParameterError` naming the parameter, its value and its range."""
+        """Check a value.
+
+        Args:
+            name: The parameter's name, for the message.
+            value: A value of the parameter's type.
+
+        Raises:
+            ParameterError: Naming the parameter, its value and its range.
+        """
         if self.choices and value not in self.choices:
             raise ParameterError(f"{name} = {value!r} is not one of {', '.join(self.choices)}")
         for number in value if isinstance(value, (list, tuple)) else (value,):
@@ -46,17 +62,40 @@ class ParameterInfo:
 
 
 def parameter(default: Any, description: str, **info: Any) -> Any:
-    """Return a dataclass field with its :class:`ParameterInfo` attached (tuples for vectors)."""
+    """Declare a field of a settings dataclass.
+
+    Args:
+        default: Its default value (tuples for vectors).
+        description: One or two sentences.
+        **info: Further fields of :class:`ParameterInfo`.
+
+    Returns:
+        A dataclass field with its :class:`ParameterInfo` attached.
+    """
     metadata = {"parameter": ParameterInfo(description, **info)}
     return dataclasses.field(default=default, metadata=metadata)
 
 
 def info_of(field: dataclasses.Field[Any]) -> ParameterInfo:
-    """Return the :class:`ParameterInfo` of a field made by :func:`parameter`."""
+    """Return what :func:`parameter` attached to a field.
+
+    Args:
+        field: A field of a settings dataclass.
+
+    Returns:
+        Its description, unit and range.
+    """
     return cast(ParameterInfo, field.metadata["parameter"])
 
 
 def check_parameters(settings: Any) -> None:
-    """Check every field of a settings dataclass; call it from ``__post_init__``."""
+    """Check every field of a settings dataclass; call it from ``__post_init__``.
+
+    Args:
+        settings: The dataclass.
+
+    Raises:
+        ParameterError: A value is outside its range or not one of its choices.
+    """
     for field in dataclasses.fields(settings):
         info_of(field).check(field.name, getattr(settings, field.name))

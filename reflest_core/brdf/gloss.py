@@ -86,7 +86,14 @@ def labcd_to_ward(labcd: Array) -> Array:
 
 
 def to_labcd(parameters: WardParameters) -> LabCdParameters:
-    """Convert one Ward BRDF to Lab and gloss."""
+    """Convert one Ward BRDF to Lab and gloss.
+
+    Args:
+        parameters: The BRDF.
+
+    Returns:
+        The same material as Lab, contrast and distinctness of gloss.
+    """
     lightness, a, b, c, d = ward_to_labcd(np.array(parameters.vector)).tolist()
     return LabCdParameters((lightness, a, b), c, d)
 

@@ -115,19 +115,45 @@ class Ward:
         return tuple(map(BrdfParameter, PARAMETERS, lowest, (1.0, 1.0, 1.0, 1.0, 1.0)))
 
     def evaluate(self, material: Array, omega_i: Array, omega_o: Array) -> Array:
-        """Evaluate the BRDF, see :meth:`BrdfModel.evaluate`; numpy or torch."""
+        """Evaluate the BRDF; numpy or torch.
+
+        Args:
+            material: (..., 5) vectors.
+            omega_i: (..., 3) directions of incidence.
+            omega_o: (..., 3) directions to the camera.
+
+        Returns:
+            (..., 3) in 1/sr; 0 where a direction lies below the surface.
+        """
         rho_d, rho_s, alpha = material[..., RHO_D], material[..., RHO_S], material[..., ALPHA]
         return ward.evaluate(rho_d, rho_s, alpha, omega_i, omega_o, self.variant)
 
     def sample(self, material: Array, omega_o: Array, u: Array) -> tuple[Array, Array]:
-        """Draw directions of incidence, see :meth:`BrdfModel.sample`; numpy or torch."""
+        """Draw directions of incidence from the specular lobe; numpy or torch.
+
+        Args:
+            material: (5,) a vector.
+            omega_o: (..., 3) directions to the camera.
+            u: (..., 2) uniform in [0, 1).
+
+        Returns:
+            (..., 3) directions and (...) their weights ``f_s cos theta_i / density``.
+        """
         omega_i = sampling.sample_specular(material[ALPHA], omega_o, u)
         return omega_i, sampling.specular_weight(material[RHO_S], omega_i, omega_o, self.variant)
 
     def albedo(
         self, material: NDArray[np.float64], cos_theta_o: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Integrate the BRDF, see :meth:`BrdfModel.albedo`."""
+        """Integrate the BRDF over light that comes from everywhere above.
+
+        Args:
+            material: (5,) a vector.
+            cos_theta_o: (K,) cosines of the angle between normal and camera, in (0, 1].
+
+        Returns:
+            (K, 3) the reflected share.
+        """
         return np.asarray(material[RHO_D] + _specular_albedo(self, material, cos_theta_o)[:, None])
 
 
@@ -151,7 +177,16 @@ class Ggx:
         return tuple(map(BrdfParameter, names, lowest, (1.0, 1.0, 1.0, 1.0, 1.0)))
 
     def evaluate(self, material: Array, omega_i: Array, omega_o: Array) -> Array:
-        """Evaluate the BRDF, see :meth:`BrdfModel.evaluate`; numpy."""
+        """Evaluate the BRDF; numpy.
+
+        Args:
+            material: (..., 5) vectors.
+            omega_i: (..., 3) directions of incidence.
+            omega_o: (..., 3) directions to the camera.
+
+        Returns:
+            (..., 3) in 1/sr; 0 where a direction lies below the surface.
+        """
         fresnel = _schlick(material[..., 3], omega_i, omega_o)
         above = (omega_i[..., 2] > 0) & (omega_o[..., 2] > 0)
         diffuse = material[..., :3] * (1 - fresnel)[..., None] / math.pi
@@ -159,7 +194,16 @@ class Ggx:
         return np.where(above[..., None], diffuse + lobe[..., None], 0.0)
 
     def sample(self, material: Array, omega_o: Array, u: Array) -> tuple[Array, Array]:
-        """Draw directions of incidence, see :meth:`BrdfModel.sample`; numpy."""
+        """Draw directions of incidence from the specular lobe; numpy.
+
+        Args:
+            material: (5,) a vector.
+            omega_o: (..., 3) directions to the camera.
+            u: (..., 2) uniform in [0, 1).
+
+        Returns:
+            (..., 3) directions and (...) their weights ``f_s cos theta_i / density``.
+        """
         omega_i = sample_ggx(material[4], omega_o, u)
         reflected = _schlick(material[3], omega_i, omega_o) * ggx_lobe(
             material[4], omega_i, omega_o
@@ -170,7 +214,15 @@ class Ggx:
     def albedo(
         self, material: NDArray[np.float64], cos_theta_o: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Integrate the BRDF, see :meth:`BrdfModel.albedo`."""
+        """Integrate the BRDF over light that comes from everywhere above.
+
+        Args:
+            material: (5,) a vector.
+            cos_theta_o: (K,) cosines of the angle between normal and camera, in (0, 1].
+
+        Returns:
+            (K, 3) the reflected share.
+        """
         specular = _specular_albedo(self, material, cos_theta_o)
         return np.asarray(specular[:, None] + material[:3] * self._passed(material[3], cos_theta_o))
 

@@ -26,23 +26,29 @@ SHARPNESS = 8
 
 
 def completed_light(surface: ObservedSurface) -> NDArray[np.float32]:
-    """(N, N, 5) octahedral, world frame: linear radiance (3), share seen, share seen clipped.
+    """Complete the light around a surface.
 
-    What was seen stays, but that clipped parts take what the object's colours ask for beyond
-    white. Elsewhere colours come from the light around (:func:`.complete`), brightness from the
-    object's shading and reflections (:func:`.explain`): the patches, 25 degrees each, are right in
-    how much light they send, but not in their edges and hues. ``surface.light`` must be there.
+    What was seen stays, but clipped parts take what the surface's colours ask for beyond white.
+    Elsewhere colours come from the light around (:func:`.complete`), brightness from the surface's
+    shading and reflections (:func:`.explain`): the patches, 25 degrees each, are right in how much
+    light they send, but not in their edges and hues.
+
+    Args:
+        surface: What was observed, with its light.
+
+    Returns:
+        (N, N, 5) octahedral, world frame: linear radiance (3), share seen, share seen clipped.
     """
     light = surface.light
     assert light is not None
     if surface.voxel_count < LEAST_VOXELS:
         return _with_clipped(complete(light).levels[0], light)
     found = explain(surface, light)
-    smooth, told = found.filled.levels[0], found.light.levels[0]
+    smooth, explained = found.filled.levels[0], found.light.levels[0]
     is_unseen = light.coverage == 0.0
-    brightness = _averaged(told[..., :3] @ LUMINANCE_WEIGHTS, is_unseen)
+    brightness = _averaged(explained[..., :3] @ LUMINANCE_WEIGHTS, is_unseen)
     scale = brightness / np.maximum(smooth[..., :3] @ LUMINANCE_WEIGHTS, 1e-6)
-    completed = told.copy()
+    completed = explained.copy()
     completed[is_unseen, :3] = smooth[is_unseen, :3] * scale[is_unseen, None]
     return _with_clipped(completed, light)
 

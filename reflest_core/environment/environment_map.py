@@ -23,13 +23,15 @@ SAMPLES = 3
 
 @dataclass(frozen=True)
 class EnvironmentMap:
-    """Light in the world frame, in the convention of :mod:`.equirectangular`.
+    """The light around a scan, world frame (:mod:`reflest_core.light.equirectangular`).
 
-    ``radiance``: (H, 2 H, 3) float32, linear sRGB, 1 at the sensor's white in the first frame:
-    relative, for nobody knows the exposure. Where the light was seen it is what was seen, elsewhere
-    it is completed (:func:`.completed_light`). ``coverage``: (H, 2 H) float32 in [0, 1], the share
-    of the pixel that was seen. ``clipped``: (H, 2 H) float32 in [0, 1], the share of what was seen
-    there that passed the camera's white, so that it is known only as a lower bound.
+    Attributes:
+        radiance: (H, 2 H, 3) float32, linear sRGB, 1 at the sensor's white in the first frame:
+            relative, for nobody knows the exposure. As seen where it was seen, elsewhere completed
+            (:func:`.completed_light`).
+        coverage: (H, 2 H) float32 in [0, 1], the share of the pixel that was seen.
+        clipped: (H, 2 H) float32 in [0, 1], the share of what was seen there that passed the
+            camera's white, so that it is known only as a lower bound.
     """
 
     radiance: NDArray[np.float32]
@@ -38,14 +40,30 @@ class EnvironmentMap:
 
 
 def environment_map(surface: ObservedSurface, height: int = HEIGHT) -> EnvironmentMap:
-    """The light around ``surface`` in ``height`` rows; all zeros where none was seen at all."""
+    """Return the completed light around a surface.
+
+    Args:
+        surface: What was observed.
+        height: Rows of the map.
+
+    Returns:
+        The map; all zeros where no light was seen at all.
+    """
     if surface.light is None or not surface.light.seen_share > 0.0:
         return nothing_seen(height)
     return from_octahedral(completed_light(surface), height)
 
 
 def from_octahedral(light: NDArray[np.float32], height: int = HEIGHT) -> EnvironmentMap:
-    """The map of ``light`` (N, N, 5): radiance (3), share seen, share seen clipped."""
+    """Resample an octahedral map.
+
+    Args:
+        light: (N, N, 5) radiance (3), share seen, share seen clipped.
+        height: Rows of the map.
+
+    Returns:
+        The equirectangular map.
+    """
     looked_up = light.reshape(-1, light.shape[-1])[_texels(height, len(light))].mean(axis=2)
     coverage = looked_up[..., 3]
     clipped = looked_up[..., 4] / np.maximum(coverage, 1e-6)
@@ -55,7 +73,14 @@ def from_octahedral(light: NDArray[np.float32], height: int = HEIGHT) -> Environ
 
 
 def nothing_seen(height: int = HEIGHT) -> EnvironmentMap:
-    """The map of a scan that saw no light: black, and said to be unseen."""
+    """Return the map of a scan that saw no light.
+
+    Args:
+        height: Rows of the map.
+
+    Returns:
+        A black map without coverage.
+    """
     black = np.zeros((height, 2 * height, 3), np.float32)
     return EnvironmentMap(black, black[..., 0].copy(), black[..., 0].copy())
 

@@ -1,9 +1,9 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Rooms that are known before the scan: the one that the camera is in is told by what it sees.
+"""The room that a camera is in, found among known ones, and its light.
 
 A room may have been turned about the vertical since: a panorama does not know the map's axes, nor
-does a map that was begun anew. Logarithms of brightness are compared at every turn at once, by
+does a map that was started again. Logarithms of brightness are compared at every turn at once, by
 Fourier transforms of the rows, with one unknown exposure.
 """
 
@@ -40,9 +40,9 @@ LEAST_LIKE = 0.8
 """Correlation of the room with what was seen."""
 CLEAREST = 0.7
 """Greatest share of the next likely room's error (root mean square). With both, 843 of 848 training
-scenes were told their room among 24; without it, one of them was told another."""
+scenes were assigned their room among 24; without it, one of them was assigned another."""
 STEPS = 4
-"""Of a column: turns are told to 0.7 degrees, so that the next keyframe asks for the same one."""
+"""Of a column: turns are found to 0.7 degrees, so that the next keyframe asks for the same one."""
 DARKEST = 1e-6
 """Added before a logarithm."""
 
@@ -63,13 +63,25 @@ class _Likeness:
 
 @dataclass(frozen=True)
 class KnownRooms:
-    """Rooms in any turn about the vertical; ``place``: where they are kept, for messages."""
+    """Rooms in any turn about the vertical.
+
+    Attributes:
+        rooms: The rooms.
+        place: Where they are kept, for messages.
+    """
 
     rooms: Sequence[Room]
     place: str
 
     def joined(self, light: ObservedLight) -> JoinedLight:
-        """``light`` with that of the room that it is seen in, where it saw nothing or a bound."""
+        """Fill in from the room that the light was seen in, where the scan saw nothing or a bound.
+
+        Args:
+            light: What the scan saw.
+
+        Returns:
+            The joined light.
+        """
         if tells_ratios(light).sum() < FEWEST:
             return JoinedLight(light, f"too little was seen to tell a room of {NAME} by")
         likeness = self._likeness(light)

@@ -21,13 +21,27 @@ DIMMED = 0.35
 
 
 def coverage_codes(environment: EnvironmentMap) -> NDArray[np.uint8]:
-    """(H, 2 H): 255 seen, 127 seen but known only as a lower bound, 0 not seen: completed."""
+    """Code what is known of each pixel.
+
+    Args:
+        environment: The light.
+
+    Returns:
+        (H, 2 H) 255 seen, 127 seen but known only as a lower bound, 0 not seen: completed.
+    """
     seen = np.where(environment.clipped > LEAST_CLIPPED, LOWER_BOUND, SEEN)
     return np.where(environment.coverage < LEAST_COVERAGE, UNSEEN, seen).astype(np.uint8)
 
 
 def tone_mapped(environment: EnvironmentMap) -> NDArray[np.uint8]:
-    """(H, 2 H, 3) sRGB as the camera exposed it, clipped at its white; what is guessed is dim."""
+    """Draw the light as the camera exposed it, clipped at its white; what was not seen is dim.
+
+    Args:
+        environment: The light.
+
+    Returns:
+        (H, 2 H, 3) 8-bit sRGB.
+    """
     picture = encode(environment.radiance.astype(np.float64))
     is_guessed = coverage_codes(environment) == UNSEEN
     picture[is_guessed] *= DIMMED

@@ -24,7 +24,7 @@ class FusedFrame:
         is_redundant: It showed nothing that ``view`` had not (:mod:`.redundancy`); the scan is as
             it was, and the counts are 0.
         is_light_alone: It looked away from the surface and showed the light that falls on it.
-        blocks_looked_at: TSDF blocks whose voxels were projected.
+        blocks_projected: TSDF blocks whose voxels were projected.
         blocks_changed: Blocks that were updated.
         surface_voxels: Surface voxels found in them; this and the following counts are 0 where
             ``view`` knew so much of the frame that only its depth was fused.
@@ -40,7 +40,7 @@ class FusedFrame:
     is_new_view: bool = False
     is_redundant: bool = False
     is_light_alone: bool = False
-    blocks_looked_at: int = 0
+    blocks_projected: int = 0
     blocks_changed: int = 0
     surface_voxels: int = 0
     voxels_seen: int = 0

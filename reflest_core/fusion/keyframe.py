@@ -13,14 +13,27 @@ from reflest_core.fusion.settings import KeyframeSettings
 
 
 class KeyframePolicy:
-    """Remembers the last keyframe; the first frame it is asked about is one."""
+    """Remembers the last keyframe; the first frame that it is given is one."""
 
     def __init__(self, settings: KeyframeSettings) -> None:
+        """Begin without a keyframe.
+
+        Args:
+            settings: How far and how long from one to the next.
+        """
         self.settings = settings
         self._last: tuple[int, NDArray[np.float64]] | None = None
 
     def is_keyframe(self, stamp_ns: int, T_world_camera: NDArray[np.float64]) -> bool:
-        """Whether this frame is a keyframe; if so, it becomes the last one."""
+        """Decide on a frame; if it is a keyframe, it becomes the last one.
+
+        Args:
+            stamp_ns: The image's stamp, nanoseconds.
+            T_world_camera: (4, 4) its pose.
+
+        Returns:
+            Whether this frame is a keyframe.
+        """
         if self._last is not None:
             last_stamp_ns, last = self._last
             moved = float(np.linalg.norm(T_world_camera[:3, 3] - last[:3, 3]))
@@ -41,7 +54,14 @@ class KeyframePolicy:
 
 
 def rotation_angle(rotation: NDArray[np.float64]) -> float:
-    """Degrees in [0, 180] by which a (3, 3) rotation turns."""
+    """Return the angle of a rotation.
+
+    Args:
+        rotation: (3, 3) rotation.
+
+    Returns:
+        Degrees in [0, 180].
+    """
     skew = rotation - rotation.T
     sine = 0.5 * math.sqrt(skew[2, 1] ** 2 + skew[0, 2] ** 2 + skew[1, 0] ** 2)
     cosine = 0.5 * (float(np.trace(rotation)) - 1.0)

@@ -31,7 +31,14 @@ OBSERVATIONS_PER_VOXEL = 24
 
 @dataclass(frozen=True)
 class MemoryBudget:
-    """Capacities whose arrays together never pass the budget."""
+    """Capacities whose arrays together never pass the budget.
+
+    Attributes:
+        blocks: TSDF blocks.
+        voxels: Rows of the observation store.
+        chunks: Chunks of observations.
+        views: Rows of the view table.
+    """
 
     blocks: int
     voxels: int
@@ -40,7 +47,14 @@ class MemoryBudget:
 
     @classmethod
     def from_settings(cls, settings: FusionSettings) -> MemoryBudget:
-        """The capacities that ``memory_budget_mb`` (of 10^6 bytes) pays for."""
+        """Divide ``memory_budget_mb`` (of 10^6 bytes) among the stages.
+
+        Args:
+            settings: The budget, and observations per voxel.
+
+        Returns:
+            The capacities.
+        """
         fixed = VIEW_CAPACITY * BYTES_PER_VIEW + BYTES_OF_LIGHT
         budget = int(settings.memory_budget_mb * 1e6) - fixed
         chunks = -(-min(OBSERVATIONS_PER_VOXEL, settings.observations_per_voxel) // CHUNK)

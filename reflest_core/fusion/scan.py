@@ -25,10 +25,10 @@ from reflest_core.fusion.frames.work_sphere import WorkSphere, without_holes
 from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.memory_budget import MemoryBudget
 from reflest_core.fusion.observations.colour_statistics import foreground_background_means
+from reflest_core.fusion.observations.exposure import surface_shifts
 from reflest_core.fusion.observations.observation_chunks import ChunkPool
 from reflest_core.fusion.observations.observation_store import ObservationStore
 from reflest_core.fusion.observations.redundancy import WELL_KNOWN_SHARE, known_frame
-from reflest_core.fusion.observations.surface_exposure import surface_shifts
 from reflest_core.fusion.observations.views import ViewTable
 from reflest_core.fusion.scan_check import check_arrays, checked_header
 from reflest_core.fusion.scan_file import damaged, read_scan, restore_rows, write_scan
@@ -48,13 +48,34 @@ class MemoryBudgetError(ReflestError):
 
 
 class Scan:
-    """TSDF volume, voxel observation store and views of one scanned object.
+    """TSDF volume, voxel observations, views and light of one scan.
 
-    ``frame_id``, ``world_frame_id``: the camera's and the world frame's name in the last fused
-    frame. Not thread-safe: fuse and snapshot from one thread. A snapshot is a copy, for any thread.
+    Not thread-safe: fuse and snapshot from one thread. A snapshot is a copy, for any thread.
+
+    Attributes:
+        fusion: Settings.
+        region_settings: The region of interest.
+        volume: The TSDF.
+        store: The observations of voxels.
+        views: The stored views.
+        light: What the background showed.
+        work_sphere: What is scanned where there is no region.
+        frame_number: Frames fused.
+        last_stamp_ns: Stamp of the last one, None before the first.
+        frame_id: The camera's frame of the last one.
+        world_frame_id: The world frame of the last one.
     """
 
     def __init__(self, fusion: FusionSettings, region: RegionSettings) -> None:
+        """Begin an empty scan.
+
+        Args:
+            fusion: Settings.
+            region: The region of interest.
+
+        Raises:
+            MemoryBudgetError: The machine cannot give what ``memory_budget_mb`` asks for.
+        """
         self.fusion = fusion
         self.set_region(region)
 
@@ -84,6 +105,9 @@ class Scan:
         """Begin a scan of another region.
 
         What was scanned is forgotten: F and B of the stored views belong to the old region.
+
+        Args:
+            region: The region of interest.
         """
         self.region_settings = region
         self.region = Region.from_settings(region)
@@ -146,7 +170,7 @@ class Scan:
         in_sight = self.volume.in_sight(near, frame, self.fusion.max_depth, self.frame_number)
         changed = self.volume.integrate(in_sight, frame, pixels, self.frame_number, threads)
         fused = dataclasses.replace(
-            fused, blocks_looked_at=len(in_sight), blocks_changed=len(changed)
+            fused, blocks_projected=len(in_sight), blocks_changed=len(changed)
         )
         if known is not None and known.share >= WELL_KNOWN_SHARE:
             self.views.frames[known.view] += 1
@@ -256,7 +280,14 @@ class Scan:
         return dataclasses.replace(surface, light=self.light.observed())
 
     def save(self, path: Path | str) -> None:
-        """Write the scan to one file, replacing it whole or not at all."""
+        """Write the scan to one file, replacing it whole or not at all.
+
+        Args:
+            path: The file.
+
+        Raises:
+            OutputError: The file cannot be written; it is as it was before.
+        """
         header = {
             "fusion": dataclasses.asdict(self.fusion),
             "region": dataclasses.asdict(self.region_settings),

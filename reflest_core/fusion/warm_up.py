@@ -14,7 +14,7 @@ from reflest_core.fusion.observations.eviction import least_worthy
 from reflest_core.fusion.poses.agreement import DepthSample
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
-from reflest_core.fusion.tsdf.block_erasure import erase_blocks, surface_keys
+from reflest_core.fusion.tsdf.tsdf_blocks import erase_blocks, surface_keys
 from reflest_core.light.exposure_correction import at_one_exposure
 
 BUDGET_MB = 16.0

@@ -24,11 +24,20 @@ T = TypeVar("T")
 def share_out(
     threads: int, count: int, least: int, kernel: Callable[..., T], *arguments: Any
 ) -> list[T]:
-    """Run ``kernel`` over ``count`` items in at most ``threads`` parts of ``least`` or more.
+    """Run a kernel over items in parts that threads share.
 
-    Returns what the parts returned, in order; always at least one. The calling thread takes a part,
-    and then those that no other thread has begun: where all processors are busy, waiting for one
-    takes longer than the work.
+    The calling thread takes a part, and then those that no other thread has begun: where all
+    processors are busy, waiting for one takes longer than the work.
+
+    Args:
+        threads: Parts at most.
+        count: Items.
+        least: Items of a part at least.
+        kernel: Called as ``kernel(start, stop, *arguments)``.
+        *arguments: Its further arguments.
+
+    Returns:
+        What the parts returned, in order; always at least one.
     """
     parts = max(1, min(threads, count // least))
     if parts == 1:

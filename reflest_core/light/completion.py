@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Completing a partial environment: unseen directions take the mean of what lies around them."""
+"""Completion of a partial environment: unseen directions take the mean of what lies around them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.light.clipped_light import excess_shape
 from reflest_core.light.light_map import ObservedLight
 from reflest_core.light.octahedral import octahedral_solid_angles
 
@@ -17,13 +16,21 @@ TRUSTED_SHARE = 0.3
 """A texel of a coarser level of which this much was seen needs no help of the next."""
 
 
+PARTLY = 0.05
+"""Radiance beyond white where one or two channels were clipped, in units of that where all three
+were: in backgrounds of SynBRDF's training scenes 0.1 to 0.9 against 9 to 12 of it, in the mean.
+A blue sky leaves the range a little, in one channel; a lamp in all three, and far."""
+
+
 @dataclass(frozen=True)
 class LightPyramid:
     """The completed light at halving resolutions.
 
-    ``levels``: octahedral maps (N, N, 5), (N / 2, N / 2, 5) and so on, float32: linear radiance
-    (3), share that was seen, share that was seen clipped: all channels' mean of ``excess``, which
-    is (N, N, 3) at the finest resolution, see :func:`.excess_shape`.
+    Attributes:
+        levels: Octahedral maps (N, N, 5), (N / 2, N / 2, 5) and so on, float32: linear radiance
+            (3), share that was seen, share that was seen clipped (all channels' mean of
+            ``excess``).
+        excess: (N, N, 3) float32 at the finest resolution, see :func:`excess_shape`.
     """
 
     levels: list[NDArray[np.float32]]
@@ -31,7 +38,14 @@ class LightPyramid:
 
 
 def complete(light: ObservedLight) -> LightPyramid:
-    """Fill by pull and push (Gortler et al. 1996, Sec. 3.4), weighted by solid angle."""
+    """Fill by pull and push (Gortler et al. 1996, Sec. 3.4), weighted by solid angle.
+
+    Args:
+        light: What was seen.
+
+    Returns:
+        The completed light.
+    """
     pulled = [np.concatenate([light.radiance, np.ones_like(light.coverage)[..., None]], axis=-1)]
     pulled[0] = pulled[0] * light.coverage[..., None]
     while len(pulled[-1]) % 2 == 0:
@@ -53,10 +67,34 @@ def complete(light: ObservedLight) -> LightPyramid:
     return levels_below(stacked, excess)
 
 
+def excess_shape(light: ObservedLight) -> NDArray[np.float32]:
+    """Return how clipped light beyond white may be shared among channels, up to a common factor.
+
+    Args:
+        light: What was seen.
+
+    Returns:
+        (N, N, 3): 1 where all of a texel was clipped in all channels, 0 in a channel that never
+        was.
+    """
+    red, green, blue = np.moveaxis(light.clipped, -1, 0)
+    in_all = np.minimum(np.minimum(red, green), blue)[..., None]
+    shape = in_all + np.float32(PARTLY) * (light.clipped - in_all)
+    return np.asarray(shape * light.coverage[..., None])
+
+
 def levels_below(
     finest: NDArray[np.float32], excess: NDArray[np.float32] | None = None
 ) -> LightPyramid:
-    """The pyramid over a map (N, N, 5); without ``excess`` of light that is all known."""
+    """Build the pyramid over a map.
+
+    Args:
+        finest: (N, N, 5) the finest level.
+        excess: (N, N, 3), see :func:`excess_shape`; None for light that is all known.
+
+    Returns:
+        The pyramid.
+    """
     levels = [finest]
     while len(levels[-1]) % 2 == 0:
         levels.append(halved(levels[-1]))
@@ -64,7 +102,14 @@ def levels_below(
 
 
 def halved(level: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(N, N, C) to (N / 2, N / 2, C): means over solid angle."""
+    """Halve a map's resolution by means over solid angle.
+
+    Args:
+        level: (N, N, C) octahedral map, N even.
+
+    Returns:
+        (N / 2, N / 2, C).
+    """
     size = len(level)
     angles = octahedral_solid_angles(size)[..., None]
     weighted = _sum_of_fours(level * angles)
@@ -72,7 +117,15 @@ def halved(level: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def halved_to(level: NDArray[np.float32], size: int) -> NDArray[np.float32]:
-    """(N, N, C) to (size, size, C); N is ``size`` times a power of two."""
+    """Halve a map's resolution repeatedly.
+
+    Args:
+        level: (N, N, C) octahedral map; N is ``size`` times a power of two.
+        size: Edge of the result.
+
+    Returns:
+        (size, size, C).
+    """
     while len(level) > size:
         level = halved(level)
     return level
@@ -84,7 +137,14 @@ def _sum_of_fours(image: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def smoothed(image: NDArray[np.float32]) -> NDArray[np.float32]:
-    """A binomial filter of width 3 along both edges of the map."""
+    """Apply a binomial filter of width 3 along both edges of a map.
+
+    Args:
+        image: (N, N, C).
+
+    Returns:
+        (N, N, C).
+    """
     padded = np.pad(image, ((1, 1), (1, 1), (0, 0)), mode="edge")
     rows = 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
     return np.asarray(0.25 * rows[:, :-2] + 0.5 * rows[:, 1:-1] + 0.25 * rows[:, 2:])

@@ -16,7 +16,14 @@ SIZE = 24
 
 
 def cosine_weights(normals: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(V, SIZE * SIZE) of unit ``normals`` (V, 3): cosines times solid angles; rows sum to 1."""
+    """Return the weights with which a surface receives light.
+
+    Args:
+        normals: (V, 3) unit normals.
+
+    Returns:
+        (V, SIZE * SIZE) cosines times solid angles of the texels; rows sum to 1.
+    """
     directions, angles = _sphere()
     weights = np.asarray(normals @ directions.T, np.float32)
     np.maximum(weights, 0.0, out=weights)

@@ -16,10 +16,18 @@ LINEAR = np.asarray(srgb.decode(np.arange(256) / 255.0))
 def at_one_exposure(
     colours: NDArray[np.uint8], gains: NDArray[np.float32], views: NDArray[np.uint16]
 ) -> NDArray[np.uint8]:
-    """Colours (O, 3) of ``views`` (O,), whose linear light ``gains`` (W,) multiply; 8-bit sRGB.
+    """Bring colours of several exposures to a common one.
 
-    A channel at 255 stays there: it is a lower bound, whatever the exposure. So becomes what passes
-    white at the common exposure. Where every gain is 1 the colours come back as they are.
+    A channel at 255 stays there: it is a lower bound, whatever the exposure. What passes white at
+    the common exposure becomes 255. Where every gain is 1 the colours come back as they are.
+
+    Args:
+        colours: (O, 3) 8-bit sRGB.
+        gains: (W,) factors on each view's linear light.
+        views: (O,) the view of each colour.
+
+    Returns:
+        (O, 3) 8-bit sRGB.
     """
     different, which = np.unique(gains, return_inverse=True)
     if not np.any(different != 1.0):
@@ -33,9 +41,16 @@ def at_one_exposure(
 def means_at_one_exposure(
     means: NDArray[np.float32], gains: NDArray[np.float32]
 ) -> NDArray[np.float32]:
-    """F or B (W, 3), mean 8-bit colours of views: the same for means, to which it is an estimate.
+    """Bring mean colours of views, F or B, to a common exposure.
 
-    Exact for a view that shows one colour. NaN stays NaN.
+    Exact for a view that shows one colour, an approximation for others.
+
+    Args:
+        means: (W, 3) mean 8-bit colours; NaN stays NaN.
+        gains: (W,) factors on each view's linear light.
+
+    Returns:
+        (W, 3) mean 8-bit colours.
     """
     is_other = gains != 1.0
     corrected = means.copy()

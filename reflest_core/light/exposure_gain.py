@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""How a frame is exposed, told from the background that it shares with the frames before it."""
+"""How a frame is exposed, found from the background that it shares with the frames before it."""
 
 from __future__ import annotations
 
@@ -41,7 +41,11 @@ Witness = Callable[[], NDArray[np.float64]]
 
 
 def no_witness() -> NDArray[np.float64]:
-    """Nothing was compared."""
+    """Compare nothing.
+
+    Returns:
+        No shifts.
+    """
     return np.empty(0)
 
 
@@ -52,15 +56,22 @@ def exposure_gain(
     last: float,
     surface_shifts: Witness = no_witness,
 ) -> float:
-    """By what a frame's linear colours are multiplied to be in the units of the light map.
+    """Find the factor that brings a frame's linear colours to the units of the light map.
 
-    ``known``: the map's sums (N, N, 3), counts (N, N) and clipped counts (N, N, 3), none empty.
-    ``directions`` (P, 3), ``colours`` (P, 3): the frame's background, see :meth:`LightMap.add`.
-    ``last``: the gain of the frame before, which stays where the two show too little in common or
-    do not clearly differ. Texels in which anything is clipped are left out; the rest vote by their
-    median. Where parallax makes them disagree, the object's voxels, ``surface_shifts``, are asked
-    in their place, if they agree better. Light that changes as a whole cannot be told from
-    exposure.
+    Texels in which anything is clipped are left out; the rest vote by their median. Where parallax
+    makes them disagree, the surface's voxels are used instead if they agree better. Light that
+    changes as a whole cannot be told from exposure.
+
+    Args:
+        known: The map's sums (N, N, 3), counts (N, N) and clipped counts (N, N, 3), none empty.
+        directions: (P, 3) towards the frame's background, see :meth:`.LightMap.add`.
+        colours: (P, 3) 8-bit sRGB of the same.
+        last: The gain of the frame before; it stays where the two share too little or do not
+            clearly differ.
+        surface_shifts: Called for the shifts of the surface's voxels where they are needed.
+
+    Returns:
+        The gain.
     """
     shifts = _shifts(
         *known,
@@ -97,7 +108,15 @@ def _middle(shifts: NDArray[np.float64]) -> tuple[float, float]:
 
 
 def may_share_view(gain: float, other: float) -> bool:
-    """Whether a frame's gain is near enough to a stored view's for its observations to join it."""
+    """Decide whether a frame's observations may join a stored view.
+
+    Args:
+        gain: The frame's gain.
+        other: The stored view's gain.
+
+    Returns:
+        Whether the exposures are near enough.
+    """
     return abs(math.log2(gain / other)) < SHARED_EXPOSURE
 
 

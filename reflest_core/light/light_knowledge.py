@@ -20,11 +20,13 @@ BLOCK = 4
 
 @dataclass(frozen=True)
 class LightKnowledge:
-    """Shares in [0, 1], means over voxels.
+    """What is known of the light on a surface: shares in [0, 1], means over voxels.
 
-    ``seen``: of the directions from which light falls on a voxel, weighted by cosine, the share
-    that the background showed. ``clipped``: of the light that was seen to come from there, the
-    share that overexposed pixels showed, which is in truth stronger.
+    Attributes:
+        seen: Share of the directions from which light falls on a voxel, weighted by cosine, that
+            the background showed.
+        clipped: Share of the light seen to come from there that overexposed pixels showed, which is
+            in truth stronger.
     """
 
     seen: float
@@ -35,7 +37,15 @@ UNKNOWN_LIGHT = LightKnowledge(0.0, 0.0)
 
 
 def light_knowledge(light: ObservedLight | None, normals: NDArray[np.float32]) -> LightKnowledge:
-    """What is known of the ``light`` on voxels with unit ``normals`` (V, 3), world frame."""
+    """Measure what is known of the light on a surface.
+
+    Args:
+        light: What was seen; None where it was not gathered.
+        normals: (V, 3) unit normals of voxels, world frame.
+
+    Returns:
+        The shares.
+    """
     if light is None:
         return UNKNOWN_LIGHT
     size = len(light.coverage)

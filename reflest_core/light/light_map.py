@@ -28,11 +28,12 @@ BRIGHTER = np.float32(1.1)
 class ObservedLight:
     """What was seen of the environment, as an octahedral map (:mod:`.octahedral`), world frame.
 
-    ``radiance``: (N, N, 3) float32, mean linear sRGB, 1 at the sensor's white in the first frame,
-    so that it passes 1 where a later frame was exposed less; 0 where unseen. ``coverage``: (N, N)
-    float32, 1 where seen. ``clipped``: (N, N, 3) float32, share of what was seen there with this
-    channel at 255, and never unclipped in a darker frame: a lower bound of the radiance, not a
-    value.
+    Attributes:
+        radiance: (N, N, 3) float32, mean linear sRGB, 1 at the sensor's white in the first frame,
+            so that it passes 1 where a later frame was exposed less; 0 where unseen.
+        coverage: (N, N) float32, 1 where seen.
+        clipped: (N, N, 3) float32, share of what was seen there with this channel at 255, and never
+            unclipped in a darker frame: a lower bound of the radiance, not a value.
     """
 
     radiance: NDArray[np.float32]
@@ -54,9 +55,13 @@ class ObservedLight:
 class LightMap:
     """Sums over background pixels; bounded in size, whatever the length of the scan.
 
-    ``radiance_sum`` and ``clipped_count``: (N, N, 3), ``count``: (N, N), float32. ``white``:
-    (N, N) float32, the radiance at which what is summed was clipped or would have been; 0 where
-    unseen. ``gain``: of the last frame, see :meth:`add_frame`.
+    Attributes:
+        radiance_sum: (N, N, 3) float32.
+        count: (N, N) float32 pixels.
+        clipped_count: (N, N, 3) float32 clipped pixels.
+        white: (N, N) float32, the radiance at which what is summed was clipped or would have been;
+            0 where unseen.
+        gain: Of the last frame, see :meth:`add_frame`.
     """
 
     radiance_sum: NDArray[np.float32] = field(
@@ -75,11 +80,16 @@ class LightMap:
         colours: NDArray[np.uint8],
         surface_shifts: Witness = no_witness,
     ) -> float:
-        """Add the pixels of one frame, as :meth:`add` does, at the exposure that it seems to have.
+        """Add the pixels of one frame at the exposure that it seems to have.
 
-        ``surface_shifts``: asked where parallax makes the background doubtful, see
-        :func:`.exposure_gain`. Returns the frame's gain: what its linear colours are multiplied by
-        to be in the map's units.
+        Args:
+            directions: (P, 3) towards the background, world frame, any length.
+            colours: (P, 3) 8-bit sRGB.
+            surface_shifts: Used where parallax makes the background doubtful, see
+                :func:`.exposure_gain`.
+
+        Returns:
+            The frame's gain: the factor that brings its linear colours to the map's units.
         """
         known = (self.radiance_sum, self.count, self.clipped_count)
         self.gain = exposure_gain(known, directions, colours, self.gain, surface_shifts)
@@ -89,10 +99,14 @@ class LightMap:
     def add(
         self, directions: NDArray[np.float32], colours: NDArray[np.uint8], gain: float = 1.0
     ) -> None:
-        """Add pixels: ``directions`` (P, 3) towards the background, world frame, of any length.
+        """Add pixels.
 
-        ``colours``: (P, 3) 8-bit sRGB. ``gain`` multiplies their linear light. Where frames
-        disagree on what is clipped, the one with the brightest white is believed.
+        Where frames disagree on what is clipped, the one with the brightest white counts.
+
+        Args:
+            directions: (P, 3) towards the background, world frame, any length.
+            colours: (P, 3) 8-bit sRGB.
+            gain: Factor on their linear light.
         """
         _accumulate(
             kernel_array(directions, np.float32),
@@ -121,7 +135,11 @@ class LightMap:
         return _share((self.count > 0.0).astype(np.float32))
 
     def observed(self) -> ObservedLight:
-        """The mean of what was added, a copy."""
+        """Average what was added.
+
+        Returns:
+            A copy, which later frames do not change.
+        """
         count = np.maximum(self.count, np.float32(1.0))
         return ObservedLight(
             np.asarray(self.radiance_sum / count[..., None], np.float32),
@@ -160,7 +178,7 @@ def _accumulate(
         if (colours[pixel] == 255).any():
             clips_here[row, column] = True
         if gain > white[row, column] * BRIGHTER:
-            # What was clipped is begun anew: beside it lies the dark part alone of the texel.
+            # Clipped sums start over: beside them lies only the dark part of the texel.
             if clipped_count[row, column].any():
                 count[row, column] = 0.0
                 clipped_count[row, column] = 0.0

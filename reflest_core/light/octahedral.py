@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Directions as a square image: the octahedral map, cheap to look up and without poles.
+"""Octahedral maps: square images of all directions.
 
 Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors". A unit
 vector is projected onto the octahedron ``|x| + |y| + |z| = 1``; the lower half is folded outwards.
@@ -18,7 +18,17 @@ from reflest_core.jit import compiled
 
 @compiled
 def octahedral_texel(x: float, y: float, z: float, size: int) -> tuple[int, int]:
-    """Row and column of the texel that holds the direction (x, y, z), of any length but 0."""
+    """Find the texel that holds a direction; a kernel.
+
+    Args:
+        x: Of the direction, whose length may be anything but 0.
+        y: The same.
+        z: The same.
+        size: Texels along an edge.
+
+    Returns:
+        Row and column.
+    """
     norm = abs(x) + abs(y) + abs(z)
     u, v = x / norm, y / norm
     if z < 0.0:
@@ -32,7 +42,15 @@ def octahedral_texel(x: float, y: float, z: float, size: int) -> tuple[int, int]
 
 
 def octahedral_texels(directions: NDArray[np.floating], size: int) -> NDArray[np.int64]:
-    """:func:`octahedral_texel` of ``directions`` (..., 3), as indices (...) into the flat map."""
+    """Find the texels that hold directions, as :func:`octahedral_texel` does.
+
+    Args:
+        directions: (..., 3), any length but 0.
+        size: Texels along an edge.
+
+    Returns:
+        (...) indices into the flat map.
+    """
     norm = np.abs(directions).sum(axis=-1)
     u, v = directions[..., 0] / norm, directions[..., 1] / norm
     is_below = directions[..., 2] < 0.0
@@ -46,7 +64,14 @@ def octahedral_texels(directions: NDArray[np.floating], size: int) -> NDArray[np
 
 
 def octahedral_directions(size: int) -> NDArray[np.float32]:
-    """Unit vectors (size, size, 3) of the texels' centres."""
+    """Return the directions of a map's texels.
+
+    Args:
+        size: Texels along an edge.
+
+    Returns:
+        (size, size, 3) unit vectors through the texels' centres.
+    """
     points = _points(size)
     unit: NDArray[np.float64] = points / np.linalg.norm(points, axis=-1, keepdims=True)
     return unit.astype(np.float32)
@@ -54,9 +79,15 @@ def octahedral_directions(size: int) -> NDArray[np.float32]:
 
 @cache
 def octahedral_solid_angles(size: int) -> NDArray[np.float32]:
-    """Solid angle (size, size) of every texel in steradians; they sum to 4 pi.
+    """Return the solid angles of a map's texels.
 
     A patch ``dA`` of the map lies on a face at the point ``p`` and is seen under ``dA / |p|^3``.
+
+    Args:
+        size: Texels along an edge.
+
+    Returns:
+        (size, size) steradians; they sum to 4 pi.
     """
     angles = (2.0 / size) ** 2 / np.linalg.norm(_points(size), axis=-1) ** 3
     return np.asarray(angles * (4.0 * np.pi / angles.sum()), np.float32)

@@ -15,7 +15,14 @@ BIAS = 128
 
 
 def encode(radiance: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Return (..., 4) bytes of non-negative linear radiance (..., 3)."""
+    """Encode linear radiance.
+
+    Args:
+        radiance: (..., 3) non-negative.
+
+    Returns:
+        (..., 4) bytes: three mantissas and their exponent.
+    """
     brightest = np.asarray(radiance, dtype=np.float64).max(axis=-1)
     _, exponent = np.frexp(brightest)
     is_representable = brightest > 1e-38
@@ -27,7 +34,14 @@ def encode(radiance: NDArray[np.float32]) -> NDArray[np.uint8]:
 
 
 def decode(encoded: NDArray[np.uint8]) -> NDArray[np.float32]:
-    """Return linear radiance (..., 3) of (..., 4) bytes: the middle of each mantissa's step."""
+    """Decode linear radiance.
+
+    Args:
+        encoded: (..., 4) bytes.
+
+    Returns:
+        (..., 3) radiance: the middle of each mantissa's step.
+    """
     exponent = encoded[..., 3].astype(np.int32) - BIAS - 8
     scale = np.where(encoded[..., 3] > 0, np.ldexp(1.0, exponent), 0.0)
     return ((encoded[..., :3] + 0.5) * scale[..., None]).astype(np.float32)

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The light of a world that is turned."""
+"""Rotation of the light map."""
 
 from __future__ import annotations
 
@@ -18,9 +18,16 @@ ACROSS = 2
 
 
 def turned_light(light: ObservedLight, rotation: NDArray[np.floating]) -> ObservedLight:
-    """What comes from direction ``d`` comes from ``rotation @ d`` then; (3, 3) a rotation.
+    """Rotate what was seen: what came from ``d`` comes from ``rotation @ d`` then.
 
     A texel that was seen in part is the mean of that part, and its coverage the part's share.
+
+    Args:
+        light: What was seen.
+        rotation: (3, 3) rotation.
+
+    Returns:
+        The rotated map.
     """
     directions = octahedral_directions(ACROSS * len(light.coverage))
     radiance, coverage, clipped = _turn(

@@ -22,7 +22,15 @@ ROWS = 32
 
 @dataclass(frozen=True)
 class SoftBox:
-    """A rectangular lamp around azimuth and elevation (radians), linear sRGB radiance."""
+    """A rectangular lamp.
+
+    Attributes:
+        azimuth: Of its middle, radians.
+        elevation: Of its middle, radians.
+        width: Along the azimuth, radians.
+        height: Along the elevation, radians.
+        radiance: Linear sRGB.
+    """
 
     azimuth: float
     elevation: float

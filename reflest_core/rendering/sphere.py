@@ -26,10 +26,18 @@ Image = NDArray[np.float64]
 def render_environment(
     parameters: WardParameters, environment: NDArray[np.float32], size: int = 256
 ) -> Image:
-    """Linear radiance (size, size, 3) of the sphere lit by a lat-long map, which is the background.
+    """Render a sphere lit by an environment, which is also the background.
 
     World: z up, camera at -y. The diffuse lobe sums over the whole map; the specular lobe is
     importance-sampled on strata that a fixed seed shifts in each pixel, so the picture repeats.
+
+    Args:
+        parameters: The material.
+        environment: (H, 2 H, 3) linear radiance, equirectangular.
+        size: Pixels along an edge.
+
+    Returns:
+        (size, size, 3) linear radiance.
     """
     normals, on_sphere = _sphere_normals(size)
     frames = _local_frames(normals)
@@ -52,7 +60,16 @@ def render_environment(
 def render_point_light(
     parameters: WardParameters, direction: tuple[float, float, float], size: int = 256
 ) -> Image:
-    """Linear radiance (size, size, 3) under a distant light of irradiance pi from ``direction``."""
+    """Render a sphere under a distant light of irradiance pi, before black.
+
+    Args:
+        parameters: The material.
+        direction: Towards the light, world frame, any length.
+        size: Pixels along an edge.
+
+    Returns:
+        (size, size, 3) linear radiance.
+    """
     normals, on_sphere = _sphere_normals(size)
     frames = _local_frames(normals)
     towards_light = np.array(direction) / np.linalg.norm(direction)
@@ -65,7 +82,15 @@ def render_point_light(
 
 
 def tone_map(linear: Image, exposure: float = 1.0) -> NDArray[np.uint8]:
-    """8-bit sRGB of linear radiance, clipped at white."""
+    """Encode linear radiance, clipped at white.
+
+    Args:
+        linear: (..., 3) linear radiance.
+        exposure: Factor before encoding.
+
+    Returns:
+        (..., 3) 8-bit sRGB.
+    """
     encoded: NDArray[np.float64] = encode(linear * exposure)
     return np.round(encoded * 255).astype(np.uint8)
 

@@ -34,7 +34,14 @@ class VoxelColouring(enum.Enum):
 
 
 def observed_colours(surface: ObservedSurface) -> Colours:
-    """(V, 3) mean of the 8-bit colours that the views saw."""
+    """Return the mean colour that the views saw of each voxel.
+
+    Args:
+        surface: What was observed.
+
+    Returns:
+        (V, 3) 8-bit colours.
+    """
     sums = np.zeros((len(surface.colours) + 1, 3), np.int64)
     np.cumsum(surface.colours, axis=0, dtype=np.int64, out=sums[1:])
     counts = surface.observation_counts[:, None]
@@ -44,7 +51,15 @@ def observed_colours(surface: ObservedSurface) -> Colours:
 
 
 def view_count_colours(counts: NDArray[np.int64], most: int) -> Colours:
-    """(V, 3) along :data:`SCALE` for (V,) counts from 1 to ``most``, by their logarithm."""
+    """Colour voxels by how many views saw them, on a logarithmic scale.
+
+    Args:
+        counts: (V,) views of each voxel, at least 1.
+        most: The count at the end of :data:`SCALE`.
+
+    Returns:
+        (V, 3) 8-bit colours.
+    """
     place = np.log(np.clip(counts, 1, most)) / np.log(max(most, 2)) * (len(SCALE) - 1)
     knots = np.arange(len(SCALE))
     channels = [np.interp(place, knots, SCALE[:, channel]) for channel in range(3)]
@@ -54,9 +69,17 @@ def view_count_colours(counts: NDArray[np.int64], most: int) -> Colours:
 def estimate_colours(
     surface: ObservedSurface, material: WardParameters, eye: NDArray[np.float64]
 ) -> Colours:
-    """(V, 3) of ``material`` on the surface, seen and lit from ``eye`` (3,), world frame, metres.
+    """Render a material on the scanned surface, seen and lit from one point.
 
     The lamp has an irradiance of pi on a surface that faces it, wherever that is.
+
+    Args:
+        surface: What was observed.
+        material: The material.
+        eye: (3,) camera and lamp, world frame, metres.
+
+    Returns:
+        (V, 3) 8-bit colours.
     """
     towards = eye - surface.positions.astype(np.float64)
     towards /= np.maximum(np.linalg.norm(towards, axis=1, keepdims=True), 1e-9)

@@ -16,9 +16,17 @@ SECTORS = 8
 
 
 def hemisphere_coverage(surface: ObservedSurface, voxels: NDArray[np.int64]) -> float:
-    """Mean share in [0, 1] of the 32 equal-area cells of each voxel's hemisphere that hold a view.
+    """Measure how much of each voxel's hemisphere was looked at from.
 
-    Cells: 4 rings of equal height in ``omega_o . n`` by 8 sectors of azimuth. 0 for no voxels.
+    The hemisphere has 32 cells of equal area: 4 rings of equal height in ``omega_o . n`` by 8
+    sectors of azimuth.
+
+    Args:
+        surface: What was observed.
+        voxels: (N,) indices of voxels.
+
+    Returns:
+        Mean share in [0, 1] of the cells that hold a view; 0 for no voxels.
     """
     if len(voxels) == 0:
         return 0.0

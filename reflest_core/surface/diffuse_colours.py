@@ -13,14 +13,23 @@ from reflest_core.surface.observed_surface import ObservedSurface
 
 QUANTILE = 0.15
 """Low, as a highlight only ever adds; not the least, which noise and occluders lower."""
-LOOKED_AT = 64
+MOST_COLOURS = 64
 """Observations of one voxel at most, taken evenly over the order in which they were made."""
 
 
 def diffuse_colours(
     surface: ObservedSurface, voxels: NDArray[np.int64], quantile: float = QUANTILE
 ) -> NDArray[np.float32]:
-    """(V, 3) linear colour of each of ``voxels``; 1 in a channel says that it is clipped."""
+    """Return a low quantile of each voxel's colours, in which highlights have little part.
+
+    Args:
+        surface: What was observed.
+        voxels: (N,) indices of voxels.
+        quantile: Of each channel, in [0, 1].
+
+    Returns:
+        (N, 3) linear colours; 1 in a channel means clipped.
+    """
     eight_bit = _quantiles(surface.colours, surface.offsets, voxels, quantile)
     return np.asarray(srgb.LINEAR[eight_bit])
 
@@ -33,19 +42,19 @@ def _quantiles(
     quantile: float,
 ) -> NDArray[np.uint8]:
     found = np.zeros((len(voxels), 3), np.uint8)
-    looked_at = np.empty(LOOKED_AT, np.uint8)
+    kept = np.empty(MOST_COLOURS, np.uint8)
     for i in range(len(voxels)):
         first, last = offsets[voxels[i]], offsets[voxels[i] + 1]
-        taken = min(last - first, LOOKED_AT)
+        taken = min(last - first, MOST_COLOURS)
         for channel in range(3):
             for k in range(taken):
-                looked_at[k] = colours[first + k * (last - first) // taken, channel]
+                kept[k] = colours[first + k * (last - first) // taken, channel]
             # The rank is low: sorting stops there.
             for place in range(int(quantile * max(taken - 1, 0)) + 1 if taken else 0):
                 least = place
                 for k in range(place + 1, taken):
-                    if looked_at[k] < looked_at[least]:
+                    if kept[k] < kept[least]:
                         least = k
-                found[i, channel] = looked_at[least]
-                looked_at[least] = looked_at[place]
+                found[i, channel] = kept[least]
+                kept[least] = kept[place]
     return found

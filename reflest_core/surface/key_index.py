@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A hash index from voxel or block keys to rows: open addressing with linear probing.
+"""A hash table from voxel keys to rows, for kernels.
 
 Half of its slots stay empty. Lookups do not depend on the order of insertion, removal shifts the
 following entries back (Knuth, The Art of Computer Programming vol. 3, 6.4, algorithm R), so there
@@ -31,10 +31,17 @@ _HASH_FACTOR = np.uint64(0x9E3779B97F4A7C15)
 class KeyIndex:
     """Maps up to ``capacity`` positive int64 keys to int32 rows.
 
-    ``keys``, ``rows``: the slots, a power of two of them; ``keys`` is ``NO_KEY`` where empty.
+    Attributes:
+        keys: (S,) int64 keys in the slots, a power of two of them; ``NO_KEY`` where empty.
+        rows: (S,) int32 rows in the slots.
     """
 
     def __init__(self, capacity: int) -> None:
+        """Reserve the slots.
+
+        Args:
+            capacity: Most keys.
+        """
         slots = 1 << max(1, (2 * capacity - 1).bit_length())
         # Written at once, for hashing spreads the first frame's keys over all of their memory.
         self.keys: NDArray[np.int64] = np.full(slots, NO_KEY, np.int64)
@@ -46,12 +53,23 @@ class KeyIndex:
         return self.keys.nbytes + self.rows.nbytes
 
     def fill(self, keys: NDArray[np.int64]) -> None:
-        """Put ``keys[row] -> row`` for every row; for an empty index."""
+        """Map every key to its place; for an empty index.
+
+        Args:
+            keys: (N,) unique keys.
+        """
         _put_all(self.keys, self.rows, keys)
 
 
 def are_unique_keys(keys: NDArray[np.int64]) -> bool:
-    """Whether these are keys at all, and none of them twice."""
+    """Check that these are keys at all, and none of them twice.
+
+    Args:
+        keys: (N,) int64.
+
+    Returns:
+        Whether they are.
+    """
     return bool(np.all(keys > NO_KEY)) and len(np.unique(keys)) == len(keys)
 
 
@@ -64,7 +82,16 @@ def _home_slot(slot_keys: NDArray[np.int64], key: int) -> int:
 
 @compiled
 def find_row(slot_keys: NDArray[np.int64], slot_rows: NDArray[np.int32], key: int) -> int:
-    """The row of ``key``, or -1."""
+    """Look a key up; a kernel.
+
+    Args:
+        slot_keys: ``keys`` of the index.
+        slot_rows: ``rows`` of the index.
+        key: Any key.
+
+    Returns:
+        Its row, or -1.
+    """
     mask = len(slot_keys) - 1
     slot = _home_slot(slot_keys, key)
     while slot_keys[slot] != NO_KEY:
@@ -76,7 +103,14 @@ def find_row(slot_keys: NDArray[np.int64], slot_rows: NDArray[np.int32], key: in
 
 @compiled
 def put_row(slot_keys: NDArray[np.int64], slot_rows: NDArray[np.int32], key: int, row: int) -> None:
-    """Map ``key`` to ``row``, replacing what it mapped to."""
+    """Map a key to a row, replacing what it mapped to; a kernel.
+
+    Args:
+        slot_keys: ``keys`` of the index.
+        slot_rows: ``rows`` of the index.
+        key: Any key.
+        row: Its row.
+    """
     mask = len(slot_keys) - 1
     slot = _home_slot(slot_keys, key)
     while slot_keys[slot] != NO_KEY and slot_keys[slot] != key:
@@ -87,7 +121,13 @@ def put_row(slot_keys: NDArray[np.int64], slot_rows: NDArray[np.int32], key: int
 
 @compiled
 def drop_key(slot_keys: NDArray[np.int64], slot_rows: NDArray[np.int32], key: int) -> None:
-    """Forget ``key``, which must be present."""
+    """Forget a key, which must be present; a kernel.
+
+    Args:
+        slot_keys: ``keys`` of the index.
+        slot_rows: ``rows`` of the index.
+        key: The key.
+    """
     mask = len(slot_keys) - 1
     hole = _home_slot(slot_keys, key)
     while slot_keys[hole] != key:

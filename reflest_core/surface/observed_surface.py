@@ -74,7 +74,11 @@ class ObservedSurface:
         return _occurring(self.view_indices, len(self.view_centres))
 
     def view_directions(self) -> NDArray[np.float32]:
-        """(O, 3) float32: ``omega_o`` of every observation, unit, from voxel to camera centre."""
+        """Return the direction ``omega_o`` of every observation.
+
+        Returns:
+            (O, 3) float32 unit vectors from voxel to camera centre.
+        """
         voxel_of = np.repeat(np.arange(self.voxel_count), self.observation_counts)
         towards = self.view_centres[self.view_indices] - self.positions[voxel_of]
         unit: NDArray[np.float32] = towards / np.linalg.norm(towards, axis=1, keepdims=True)

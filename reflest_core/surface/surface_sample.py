@@ -22,9 +22,14 @@ OBSERVATIONS = 12
 class SurfaceSample:
     """V voxels and O of their observations, grouped by voxel.
 
-    ``voxels``: (V,) indices into the surface. ``normals``: (V, 3). ``voxel_of``, ``slot``: (O,),
-    each observation's place among the voxels and among those of its voxel. ``directions``: (O, 3),
-    ``omega_o``, unit. ``colours``: (O, 3) linear. ``clipped``: (O, 3) bool, channels at 255.
+    Attributes:
+        voxels: (V,) indices into the surface.
+        normals: (V, 3) unit.
+        voxel_of: (O,) each observation's place among the voxels.
+        slot: (O,) each observation's place among those of its voxel.
+        directions: (O, 3) ``omega_o``, unit.
+        colours: (O, 3) linear.
+        clipped: (O, 3) bool, channels at 255.
     """
 
     voxels: NDArray[np.int64]
@@ -36,7 +41,14 @@ class SurfaceSample:
     clipped: NDArray[np.bool_]
 
     def every(self, step: int) -> SurfaceSample:
-        """The first of every ``step`` observations."""
+        """Thin the observations.
+
+        Args:
+            step: The first of every ``step`` observations is kept.
+
+        Returns:
+            The same voxels with fewer observations.
+        """
         kept = slice(None, None, step)
         return dataclasses.replace(
             self,
@@ -48,14 +60,29 @@ class SurfaceSample:
         )
 
     def spread(self, values: NDArray[np.floating[Any]]) -> NDArray[np.float32]:
-        """(O, ...) of the observations to (V, 12, ...), zeros where there is none."""
+        """Lay values of observations out by voxel.
+
+        Args:
+            values: (O, ...) a value of each observation.
+
+        Returns:
+            (V, 12, ...) the values; zeros where there is no observation.
+        """
         grid = np.zeros((len(self.voxels), OBSERVATIONS, *values.shape[1:]), np.float32)
         grid[self.voxel_of, self.slot] = values
         return grid
 
 
 def sampled(surface: ObservedSurface, voxels: NDArray[np.int64]) -> SurfaceSample:
-    """At most 12 observations of each of ``voxels``, indices into ``surface``."""
+    """Take at most 12 observations of each voxel.
+
+    Args:
+        surface: What was observed.
+        voxels: (V,) indices into it.
+
+    Returns:
+        The sample.
+    """
     rows, voxel_of, slot = _chosen(surface, voxels)
     directions = _towards_cameras(surface, rows, voxels[voxel_of])
     colours = surface.colours[rows]

@@ -14,9 +14,16 @@ _NEARLY_VERTICAL = 1e-6
 
 @numba.njit(cache=True, nogil=True)
 def tangent_frame(normal: NDArray[np.float32]) -> tuple[float, ...]:
-    """Tangent (x, y, z) and bitangent (x, y, z) of a unit ``normal`` (3,); world up is +z.
+    """Return the tangent and bitangent of a normal; a kernel.
 
-    The tangent is the azimuth origin. For a vertical normal it is the projection of world x.
+    The tangent is the azimuth origin: the projection of world up, +z; for a vertical normal that of
+    world x.
+
+    Args:
+        normal: (3,) unit.
+
+    Returns:
+        x, y, z of the tangent, then of the bitangent.
     """
     nx, ny, nz = float(normal[0]), float(normal[1]), float(normal[2])
     tx, ty, tz = -nz * nx, -nz * ny, 1.0 - nz * nz

@@ -9,23 +9,30 @@ from numpy.typing import NDArray
 
 from reflest_core.jit import compiled
 
-LOOKED_AT = 16
+COMPARED = 16
 """Voxels that are compared at most to choose one."""
 
 
 @compiled
 def thinned(counts: NDArray[np.integer], most: int) -> NDArray[np.int64]:
-    """At most ``most`` indices of voxels with observations, rising, spread evenly over ``counts``.
+    """Choose voxels that are spread evenly over a surface; a kernel.
 
-    ``counts``: (V,) observations of each voxel. All observed voxels where V does not pass ``most``;
-    else the most often observed of the first :data:`LOOKED_AT` of each of ``most`` equal stretches.
+    All observed voxels where V does not pass ``most``; else the most often observed of the first
+    :data:`COMPARED` of each of ``most`` equal stretches.
+
+    Args:
+        counts: (V,) observations of each voxel.
+        most: Most voxels.
+
+    Returns:
+        Indices of at most ``most`` voxels with observations, rising.
     """
     stretches = min(most, len(counts))
     indices = np.empty(stretches, np.int64)
     found = 0
     for n in range(stretches):
         first = n * len(counts) // stretches
-        last = min((n + 1) * len(counts) // stretches, first + LOOKED_AT)
+        last = min((n + 1) * len(counts) // stretches, first + COMPARED)
         best = first
         for index in range(first + 1, last):
             if counts[index] > counts[best]:

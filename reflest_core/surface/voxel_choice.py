@@ -19,12 +19,19 @@ MOST_CANDIDATES = 2048
 
 
 def choose_voxels(surface: ObservedSurface, count: int) -> NDArray[np.int64]:
-    """At most ``count`` voxel indices, rising: one for each cluster of position and normal.
+    """Choose voxels that differ most in position and normal.
 
     Clusters are Gonzalez' k-centres (1985) of the points ``(position / radius, normal)``, where
     ``radius`` is the surface's RMS extent, so that position and normal weigh alike; a cluster is
     represented by its most often observed voxel. Deterministic. Voxels without observations are
     never chosen.
+
+    Args:
+        surface: What was observed.
+        count: Most voxels.
+
+    Returns:
+        At most ``count`` indices, rising: one for each cluster.
     """
     observations = surface.observation_counts
     candidates = thinned(observations, MOST_CANDIDATES)

@@ -1,10 +1,10 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Integer voxel and block coordinates packed into one 64-bit key.
+"""Voxels and blocks by integer coordinates, packed into one key.
 
 Voxel ``(i, j, k)`` has its sample point at ``(i, j, k) * voxel_size`` in the world frame (as in
-Open3D's VoxelBlockGrid) and its cell is the cube of that size around the sample point. Block
-``(i, j, k)`` holds the voxels ``8 * (i, j, k) + (0..7)`` along each axis.
+Open3D's VoxelBlockGrid) and its cell is the cube of that size around the sample point. Block ``(i,
+j, k)`` holds the voxels ``8 * (i, j, k) + (0..7)`` along each axis.
 """
 
 from __future__ import annotations
@@ -29,7 +29,16 @@ _MASK = (1 << COORDINATE_BITS) - 1
 
 @compiled
 def pack_key(i: int, j: int, k: int) -> int:
-    """Pack three coordinates within ``VOXEL_LIMIT`` into a positive key; order is (i, j, k)."""
+    """Pack coordinates within ``VOXEL_LIMIT`` into a key; keys order as (i, j, k) do. A kernel.
+
+    Args:
+        i: Along x.
+        j: Along y.
+        k: Along z.
+
+    Returns:
+        A positive key.
+    """
     return (
         ((i + _OFFSET) << (2 * COORDINATE_BITS))
         | ((j + _OFFSET) << COORDINATE_BITS)
@@ -39,7 +48,14 @@ def pack_key(i: int, j: int, k: int) -> int:
 
 @compiled
 def unpack_key(key: int) -> tuple[int, int, int]:
-    """The inverse of :func:`pack_key`."""
+    """Invert :func:`pack_key`; a kernel.
+
+    Args:
+        key: A key.
+
+    Returns:
+        i, j, k.
+    """
     return (
         ((key >> (2 * COORDINATE_BITS)) & _MASK) - _OFFSET,
         ((key >> COORDINATE_BITS) & _MASK) - _OFFSET,

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass, field
 
 from reflest_core.capture.messages import Role
-from reflest_core.fusion.observations.exposure_drift import exposure_drift
+from reflest_core.fusion.observations.exposure import exposure_drift
 from reflest_core.fusion.scan import Scan
 
 

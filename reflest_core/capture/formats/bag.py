@@ -24,6 +24,10 @@ from reflest_core.capture.refusal import CaptureError, FrameRefused, RefusalCaus
 READERS_BY_SUFFIX: dict[str, Callable[[Path], BagFile]] = {".mcap": McapFile, ".db3": SqliteFile}
 
 
+ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
+LARGEST_MESSAGE = 2**28  # bytes unpacked; what is longer is cut off there, and refused
+
+
 class Bag:
     """Messages of a recording, in log order. ``name`` is the path as given."""
 
@@ -37,7 +41,6 @@ class Bag:
         """
         self.name = str(path)
         self._notes: list[str] = []
-        self._is_packed = False
         paths = self._listed(path) if path.is_dir() else [path]
         self._files = self._opened(paths)
         try:
@@ -70,9 +73,12 @@ class Bag:
 
     def _read(self, raw: RawMessage) -> SensorMessage:
         cdr = raw.cdr
-        if self._is_packed:
+        if cdr.startswith(
+            ZSTD_MAGIC
+        ):  # no CDR does: message-compressed, whatever metadata.yaml says
             try:
-                cdr = zstandard.ZstdDecompressor().decompressobj().decompress(cdr)
+                reader = zstandard.ZstdDecompressor().stream_reader(cdr)
+                cdr = reader.read(LARGEST_MESSAGE)
             except zstandard.ZstdError as error:
                 raise FrameRefused(
                     RefusalCause.TRUNCATED, f"a message on {raw.topic} cannot be unpacked: {error}"
@@ -135,7 +141,6 @@ class Bag:
                 f"{folder} is compressed file by file: unpack it with `zstd -d --rm "
                 f"{folder}/*.zstd` and delete its metadata.yaml"
             )
-        self._is_packed = mode == "message"
         paths = [folder / name for name in names if Path(name).suffix in READERS_BY_SUFFIX]
         if not paths:
             raise CaptureError(f"{folder} holds neither .mcap nor .db3 files")

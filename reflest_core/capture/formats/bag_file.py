@@ -6,7 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import NamedTuple, Protocol
+
+LFS_POINTER = b"version https://git-lfs.github.com/spec/"
 
 
 class RawMessage(NamedTuple):
@@ -40,6 +43,18 @@ class BagFile(Protocol):
     def messages(self, topics: Collection[str]) -> Iterator[RawMessage]:
         """Yield the messages of some topics in recorded order, up to the end or the damage."""
         ...
+
+
+def pointer_sentence(path: Path) -> str | None:
+    """Say that a file is a Git LFS pointer, with the way out; None where it is none.
+
+    Args:
+        path: The file.
+    """
+    with path.open("rb") as stream:
+        if not stream.read(len(LFS_POINTER)).startswith(LFS_POINTER):
+            return None
+    return f"{path} is a Git LFS pointer, the data were not fetched: run `git lfs pull` there"
 
 
 def damage_sentence(name: str, why: object, first_ns: int | None, last_ns: int | None) -> str:

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """MCAP files, whole or cut off, read in log-time order.
 
-The index comes from the file's summary, or where there is none (a recorder that died) from one
-pass over the file. Everything before damage is read.
+The index comes from the file's summary, or where there is none (a recorder that died), or it lacks
+something (channels, schemas, counts and indexes are all optional), from one pass over the file.
+Everything before damage is read.
 """
 
 from __future__ import annotations
@@ -22,17 +23,25 @@ from mcap.reader import SeekingReader
 from mcap.records import Channel, Schema
 from mcap.summary import Summary
 
-from reflest_core.capture.formats.bag_file import BagTopic, RawMessage, damage_sentence
+from reflest_core.capture.formats.bag_file import (
+    BagTopic,
+    RawMessage,
+    damage_sentence,
+    pointer_sentence,
+)
+from reflest_core.capture.formats.cdr import READERS
 from reflest_core.capture.formats.mcap_records import (
     McapDamage,
     Record,
     chunk_start_ns,
+    has_loose_messages,
     read_chunk,
     read_records,
 )
 from reflest_core.capture.refusal import CaptureError
 
 MAGIC = b"\x89MCAP0\r\n"
+NO_SCHEMA = 0
 MESSAGE_HEADER = struct.Struct("<HIQQ")  # channel id, sequence, log time, publish time
 
 
@@ -48,13 +57,22 @@ class McapFile:
         self.damage: str | None = None
         self._path = path
         self._channels: dict[int, tuple[str, str]] = {}  # topic and message type by channel id
-        self._schemas: dict[int, str] = {}
+        self._schemas: dict[int, str] = {NO_SCHEMA: ""}
+        self._is_ros1 = False
         self._index: list[tuple[int, int]] = []  # first log time and offset, chunk or message
         with path.open("rb") as stream:
             if stream.read(len(MAGIC)) != MAGIC:
-                raise CaptureError(f"{path} is not an MCAP file (or is cut off at its very start)")
+                raise CaptureError(
+                    pointer_sentence(path)
+                    or f"{path} is not an MCAP file (or is cut off at its very start)"
+                )
             summary = _read_summary(stream)
             self.topics = self._summarised(summary) if summary else self._scanned(stream)
+        if self._is_ros1:
+            raise CaptureError(
+                f"{path} is a ROS 1 recording in MCAP: convert it to ROS 2 with rosbags-convert "
+                "(from its .bag), or record it again through ros1_bridge"
+            )
         if not any(topic.count for topic in self.topics):
             raise CaptureError(self.damage or f"{path} holds no messages")
         self._index.sort()
@@ -101,7 +119,7 @@ class McapFile:
                 self._schemas[schema.id] = schema.name
             elif record.opcode == Opcode.CHANNEL:
                 channel = Channel.read(content)
-                self._channels[channel.id] = (channel.topic, self._schemas[channel.schema_id])
+                self._take(channel, self._schemas[channel.schema_id])
             elif record.opcode == Opcode.MESSAGE:
                 channel_id, _, log_time, _ = MESSAGE_HEADER.unpack_from(record.content)
                 cdr = record.content[MESSAGE_HEADER.size :]
@@ -110,14 +128,25 @@ class McapFile:
             raise McapDamage(f"a record holds garbage: {error!r}") from error
         return None
 
+    def _take(self, channel: Channel, schema: str) -> None:
+        """Remember a channel; what is not CDR is of a type that no role can have."""
+        kind = "/".join(part for part in schema.split("::") if part != "dds_")
+        if kind.count("/") == 1:
+            kind = kind.replace("/", "/msg/")
+        if channel.message_encoding == "cdr":
+            self._channels[channel.id] = (channel.topic, kind)
+            return
+        self._channels[channel.id] = (channel.topic, f"{channel.message_encoding} {schema}".strip())
+        self._is_ros1 |= channel.message_encoding == "ros1" and kind in READERS
+
     def _summarised(self, summary: Summary) -> list[BagTopic]:
         counts: Counter[tuple[str, str]] = Counter()
         per_channel = summary.statistics.channel_message_counts if summary.statistics else {}
         for channel in summary.channels.values():
             schema = summary.schemas.get(channel.schema_id)
-            self._channels[channel.id] = (channel.topic, schema.name if schema else "")
+            self._take(channel, schema.name if schema else "")
             counts[self._channels[channel.id]] += per_channel.get(channel.id, 0)
-        self._schemas = {schema.id: schema.name for schema in summary.schemas.values()}
+        self._schemas |= {schema.id: schema.name for schema in summary.schemas.values()}
         self._index = [
             (chunk.message_start_time, chunk.chunk_start_offset) for chunk in summary.chunk_indexes
         ]
@@ -155,5 +184,31 @@ def _read_summary(stream: IO[bytes]) -> Summary | None:
         summary = SeekingReader(stream).get_summary()
     except Exception:  # of a damaged file; no summary that can be read is no summary
         return None
-    is_useful = summary is not None and summary.statistics and summary.chunk_indexes
-    return summary if is_useful else None
+    return summary if summary is not None and _is_whole(summary, stream) else None
+
+
+def _is_whole(summary: Summary, stream: IO[bytes]) -> bool:
+    """Whether a summary names every channel, schema and chunk, and counts every message."""
+    statistics, channels = summary.statistics, summary.channels
+    if statistics is None or not summary.chunk_indexes:
+        return False
+    counts = statistics.channel_message_counts
+    schemas = {NO_SCHEMA, *summary.schemas}
+    if (
+        len(channels) != statistics.channel_count
+        or len(summary.chunk_indexes) != statistics.chunk_count
+        or sum(counts.values()) != statistics.message_count
+        or not set(counts) <= set(channels)
+        or not {channel.schema_id for channel in channels.values()} <= schemas
+    ):
+        return False
+    after = {
+        chunk.chunk_start_offset: chunk.chunk_start_offset
+        + chunk.chunk_length
+        + chunk.message_index_length
+        for chunk in summary.chunk_indexes
+    }
+    try:
+        return not has_loose_messages(stream, len(MAGIC), after)
+    except McapDamage:
+        return False

@@ -23,13 +23,21 @@ def background_pixels(
     object_centre: NDArray[np.floating],
     object_radius: float = 0.0,
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
-    """Directions (P, 3) and colours (P, 3) uint8 of a grid of background pixels.
+    """Gather a grid of background pixels as light.
 
-    A pixel with ``depth`` (H, W; 0 where unknown) is a point in the room and lies in the direction
-    in which the object sees it, from ``object_centre`` (3,), world frame, metres; one without is
-    taken to be far away. Points nearer to the centre than ``object_radius`` (metres) are left out:
-    they are the object's own, or touch it, and each of its sides sees them elsewhere.
-    ``foreground``: (H, W) bool. Directions: world frame, any length.
+    A pixel with depth is a point in the room and lies in the direction in which the object sees it;
+    one without is taken to be far away. Points near the object are left out: they are its own, or
+    touch it, and each of its sides sees them elsewhere.
+
+    Args:
+        frame: The frame.
+        foreground: (H, W) bool, pixels on the scanned surface.
+        depth: (H, W) metres, 0 or not finite where unknown.
+        object_centre: (3,) world frame, metres.
+        object_radius: Metres; points nearer to the centre than this are left out.
+
+    Returns:
+        Directions (P, 3), world frame, any length, and colours (P, 3) uint8, 8-bit sRGB.
     """
     camera = frame.intrinsics
     step = sampling_step(frame)
@@ -49,7 +57,14 @@ def background_pixels(
 
 
 def sampling_step(frame: Frame) -> int:
-    """Pixels between two that are taken, along each axis; the first is at half a step."""
+    """Return the distance between two pixels that are taken; the first is at half a step.
+
+    Args:
+        frame: The frame.
+
+    Returns:
+        Pixels along each axis.
+    """
     return max(frame.intrinsics.width // ACROSS, 1)
 
 

@@ -18,16 +18,32 @@ from reflest_core.jit import compiled
 
 @compiled
 def depth_tolerance(z: float, voxel_size: float) -> float:
-    """Metres by which two depths near ``z`` may differ and still be one surface.
+    """Return by how much two depths may differ and still be one surface; a kernel.
 
     Two voxels for fusion's own resolution, and 1 % of the depth for the sensor's noise and for the
     slope of a surface across a pixel.
+
+    Args:
+        z: Depth, metres.
+        voxel_size: Metres.
+
+    Returns:
+        Metres.
     """
     return 2.0 * voxel_size + 0.01 * z
 
 
 def clear_of_edges(depth: NDArray[np.float32], voxel_size: float, margin: int) -> NDArray[np.bool_]:
-    """(H, W) bool: where depth is known and on no depth edge. ``depth``: metres, 0 unknown."""
+    """Find the pixels with depth that are on no depth edge.
+
+    Args:
+        depth: (H, W) metres, 0 unknown.
+        voxel_size: Metres.
+        margin: Pixels around an edge that count as on it.
+
+    Returns:
+        (H, W) bool.
+    """
     window = np.ones((2 * margin + 1, 2 * margin + 1), np.uint8)
     nearest = np.asarray(cv2.erode(depth, window), np.float32)
     farthest = np.asarray(cv2.dilate(depth, window), np.float32)

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Which pixels show the scanned object, and what the depth image tells about it."""
+"""Which pixels show the scanned object, and how its depth is weighed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from reflest_core.fusion.settings import FusionSettings
 from reflest_core.jit import kernel_array
 
 WIDEST_MARGIN = 32
-"""Pixels to the sides within which ``FramePixels.free_depth`` looks at most."""
+"""Pixels to the sides within which ``FramePixels.free_depth`` searches at most."""
 
 NEAREST_DEPTH = np.float32(1e-3)
 """Metres; no camera measures less, and kernels divide by depth."""
@@ -27,14 +27,18 @@ NEAREST_DEPTH = np.float32(1e-3)
 
 @dataclass(frozen=True)
 class FramePixels:
-    """What fusion takes of a frame; all (H, W).
+    """What fusion takes of a frame.
 
-    ``foreground``: bool, by SPEC section 2 (F and B are means over it and the rest). ``depth``:
-    float32 metres, 0 where unknown. ``surface``: bool, the foreground within ``max_depth`` and
-    clear of depth edges: what is fused and observed. ``steepness``: float32 in (0, 1] and ``gain``:
-    uint8 weight of the pixel's depth, see :func:`find_steepness`, both 0 but on ``surface``.
-    ``free_depth``: float32 metres, the nearest depth within the truncation distance to the sides, 0
-    where some is unknown; what is in front of it by as much is free of any surface.
+    Attributes:
+        foreground: (H, W) bool; F and B are means over it and the rest (SPEC section 2).
+        depth: (H, W) float32 metres, 0 where unknown.
+        surface: (H, W) bool, the foreground within ``max_depth`` and clear of depth edges: what is
+            fused and observed.
+        steepness: (H, W) float32 in (0, 1], see :func:`.find_steepness`; 0 but on ``surface``.
+        gain: (H, W) uint8 weight of the pixel's depth; 0 but on ``surface``.
+        free_depth: (H, W) float32 metres, the nearest depth within the truncation distance to the
+            sides, 0 where some is unknown; what is in front of it by as much is free of any
+            surface.
     """
 
     foreground: NDArray[np.bool_]
@@ -46,7 +50,18 @@ class FramePixels:
 
 
 def classify_pixels(frame: Frame, region: Region, settings: FusionSettings) -> FramePixels:
-    """Foreground is the mask if there is one, else the region, else depth inside ``max_depth``."""
+    """Tell the scanned surface from the background.
+
+    Foreground is the mask if there is one, else the region, else depth inside ``max_depth``.
+
+    Args:
+        frame: The frame.
+        region: The region of interest or the work sphere.
+        settings: ``max_depth``, voxel size and margins.
+
+    Returns:
+        What fusion takes of the frame.
+    """
     depth: NDArray[np.float32] = kernel_array(frame.depth, np.float32)
     is_known = np.isfinite(depth) & (depth >= NEAREST_DEPTH)
     depth = np.where(is_known, depth, np.float32(0.0))

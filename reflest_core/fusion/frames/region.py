@@ -24,7 +24,13 @@ class RegionShape(enum.IntEnum):
 
 @dataclass(frozen=True)
 class Region:
-    """``centre``, ``half_size``: (3,) float64 metres, world axes; a sphere's radius is first."""
+    """What bounds the scanned surface.
+
+    Attributes:
+        shape: Box, sphere or nothing.
+        centre: (3,) float64, world frame, metres.
+        half_size: (3,) float64, metres along the world's axes; a sphere's radius is first.
+    """
 
     shape: RegionShape
     centre: NDArray[np.float64]
@@ -32,7 +38,14 @@ class Region:
 
     @classmethod
     def from_settings(cls, settings: RegionSettings) -> Region:
-        """The region that the user described."""
+        """Take the region that the user described.
+
+        Args:
+            settings: The description.
+
+        Returns:
+            The region.
+        """
         return cls(
             RegionShape[settings.shape.upper()],
             np.array(settings.centre, np.float64),
@@ -40,7 +53,14 @@ class Region:
         )
 
     def contains(self, points: NDArray[np.floating]) -> NDArray[np.bool_]:
-        """(N,) bool for (N, 3) points in the world frame; the boundary counts as inside."""
+        """Test points; the boundary counts as inside.
+
+        Args:
+            points: (N, 3) world frame, metres.
+
+        Returns:
+            (N,) bool.
+        """
         flat = kernel_array(points, np.float64)
         return _inside_all(int(self.shape), self.centre, self.half_size, flat)
 
@@ -54,7 +74,19 @@ def inside_region(
     y: float,
     z: float,
 ) -> bool:
-    """Whether the point lies in the region; everything does where there is none."""
+    """Test a point; everything is inside where there is no region. A kernel.
+
+    Args:
+        shape: A :class:`RegionShape` as a number.
+        centre: (3,) metres.
+        half_size: (3,) metres.
+        x: Of the point, world frame, metres.
+        y: The same.
+        z: The same.
+
+    Returns:
+        Whether the point lies in the region.
+    """
     dx, dy, dz = x - centre[0], y - centre[1], z - centre[2]
     if shape == 1:
         return bool(abs(dx) <= half_size[0] and abs(dy) <= half_size[1] and abs(dz) <= half_size[2])
@@ -87,9 +119,18 @@ def pixels_in_region(
     centre: NDArray[np.float64],
     half_size: NDArray[np.float64],
 ) -> NDArray[np.bool_]:
-    """(H, W) bool: pixels with depth whose back-projected point lies in the region.
+    """Find the pixels with depth whose back-projected point lies in a region; a kernel.
 
-    ``depth``: metres, 0 unknown. ``T``: (4, 4) camera to world. ``K``: (3, 3).
+    Args:
+        depth: (H, W) metres, 0 unknown.
+        T: (4, 4) camera to world.
+        K: (3, 3) intrinsics.
+        shape: A :class:`RegionShape` as a number, not that of no region.
+        centre: (3,) metres.
+        half_size: (3,) metres.
+
+    Returns:
+        (H, W) bool.
     """
     height, width = depth.shape
     inside = np.empty((height, width), np.bool_)

@@ -53,7 +53,14 @@ class KnownSurface:
         return float(np.sqrt(self.positions.var(axis=0, dtype=np.float64).sum()))
 
     def is_in_sight(self, frame: Frame) -> bool:
-        """Whether any of it lies in the frame's field of view, hidden or not."""
+        """Decide whether any of it lies in a frame's field of view, hidden or not.
+
+        Args:
+            frame: The frame.
+
+        Returns:
+            Whether some does, or nearly.
+        """
         camera, T = frame.intrinsics, frame.T_world_camera
         x, y, z = ((self.positions - T[:3, 3]) @ T[:3, :3]).T
         before = z > 0.0

@@ -29,10 +29,15 @@ def find_steepness(
     steepness: NDArray[np.float32],
     gain: NDArray[np.uint8],
 ) -> None:
-    """Fill ``steepness`` and ``gain`` (weights), 0 off the surface.
+    """Fill in how steeply the surface is seen and what its depth weighs; a kernel.
 
-    All (H, W). ``depth``: metres. ``surface``: pixels with a continuous surface for ``reach``
-    pixels to all sides. ``K``: (3, 3).
+    Args:
+        depth: (H, W) metres.
+        surface: (H, W) pixels with a continuous surface for ``reach`` pixels to all sides.
+        reach: Pixels over which slopes are measured.
+        K: (3, 3) intrinsics.
+        steepness: (H, W) filled with ``1 / |n|``; 0 off the surface.
+        gain: (H, W) filled with weights; 0 off the surface.
     """
     height, width = depth.shape
     for v in range(height):

@@ -34,9 +34,18 @@ def visible_voxels(
     settings: FusionSettings,
     threads: int = 1,
 ) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
-    """Return the indices (S,) of the seen among (V, 3) voxels, and their colours (S, 3).
+    """Find the voxels that a frame truly sees, and their colours.
 
-    A colour is that of the nearest pixel, 8-bit sRGB.
+    Args:
+        positions: (V, 3) world frame, metres.
+        normals: (V, 3) unit.
+        frame: The frame.
+        pixels: What fusion takes of it.
+        settings: ``voxel_size`` and ``max_grazing_angle``.
+        threads: Threads that share the work.
+
+    Returns:
+        Indices (S,) of the seen voxels and the 8-bit sRGB colours (S, 3) of their nearest pixels.
     """
     parts = share_out(
         threads,

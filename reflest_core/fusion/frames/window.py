@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The part of an image in which the scanned object can appear; the rest need not be looked at."""
+"""The part of an image that can show the scanned object: all else costs nothing."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from reflest_core.capture.frame import Frame
 from reflest_core.fusion.frames.region import Region, RegionShape
 
 MARGIN = 40
-"""Pixels around it that are looked at too: more than any pixel's neighbourhood that counts."""
+"""Pixels around it that are read too: more than any pixel's neighbourhood that counts."""
 
 NEAREST = 0.05
 """Metres: where a corner of the region is closer to the camera's plane, the whole image counts."""
@@ -23,7 +23,14 @@ NEAREST = 0.05
 
 @dataclass(frozen=True)
 class Window:
-    """Rows ``top`` to ``bottom`` and columns ``left`` to ``right``, the ends not included."""
+    """A rectangle of pixels, the ends not included.
+
+    Attributes:
+        top: First row.
+        bottom: Row after the last.
+        left: First column.
+        right: Column after the last.
+    """
 
     top: int
     bottom: int
@@ -37,7 +44,15 @@ class Window:
 
 
 def object_window(frame: Frame, region: Region) -> Window:
-    """The window around the mask, or around the region's projection; all where there is neither."""
+    """Return the window around the mask, or around the region's projection.
+
+    Args:
+        frame: The frame.
+        region: The region of interest or the work sphere.
+
+    Returns:
+        The window; the whole image where there is neither.
+    """
     whole = Window(0, frame.intrinsics.height, 0, frame.intrinsics.width)
     if frame.mask is not None:
         rows = np.flatnonzero(frame.mask.any(axis=1))
@@ -57,7 +72,15 @@ def object_window(frame: Frame, region: Region) -> Window:
 
 
 def cropped(frame: Frame, window: Window) -> Frame:
-    """The frame as a camera with the window for its sensor would have taken it."""
+    """Cut a frame to a window, as a camera with the window for its sensor would have taken it.
+
+    Args:
+        frame: The frame.
+        window: The window.
+
+    Returns:
+        The cut frame.
+    """
     camera = frame.intrinsics
     if (window.bottom - window.top, window.right - window.left) == (camera.height, camera.width):
         return frame

@@ -26,7 +26,7 @@ EARLY_FRAMES = 10
 """Fused frames after which the sphere stays as it is."""
 
 RADII = 2.0
-"""Automatic radius over the median distance from the camera to what it looks at."""
+"""Automatic radius over the median distance from the camera to the surface."""
 
 STRIDE = 4
 """Every fourth pixel along each axis is used."""
@@ -89,11 +89,25 @@ class WorkSphere:
         return WorkSphere((x, y, z), distance, count)
 
     def radius(self, settings: FusionSettings) -> float:
-        """Radius in metres: ``work_radius``, or the automatic one where that is 0."""
+        """Return the work radius.
+
+        Args:
+            settings: ``work_radius``; 0 is the automatic one.
+
+        Returns:
+            Metres.
+        """
         return settings.work_radius if settings.work_radius > 0.0 else RADII * self.distance
 
     def region(self, settings: FusionSettings) -> Region:
-        """The sphere as a region of interest; of no extent before the first frame."""
+        """Return the sphere as a region of interest.
+
+        Args:
+            settings: ``work_radius``; 0 is the automatic one.
+
+        Returns:
+            The region; of no extent before the first frame.
+        """
         return Region(
             RegionShape.SPHERE,
             np.array(self.centre, np.float64),
@@ -112,7 +126,7 @@ def without_holes(
     Args:
         depth: (H, W) metres, 0 or not finite where unknown.
         foreground: (H, W) pixels on the scanned surface.
-        step: Only every ``step``-th pixel, from ``step // 2`` on, is looked at and changed.
+        step: Only every ``step``-th pixel, from ``step // 2`` on, is read and changed.
 
     Returns:
         (H, W) the foreground with its holes.

@@ -13,9 +13,14 @@ from reflest_core.jit import compiled, kernel_array
 def foreground_background_means(
     rgb: NDArray[np.uint8], foreground: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return F and B, each (3,) float32, mean 8-bit sRGB in [0, 255]; NaN where no pixel is.
+    """Return F and B, the mean colours of foreground and background.
 
-    ``rgb``: (H, W, 3) uint8. ``foreground``: (H, W) bool; the background is the rest.
+    Args:
+        rgb: (H, W, 3) 8-bit sRGB.
+        foreground: (H, W) bool; the background is the rest.
+
+    Returns:
+        F and B, each (3,) float32 in [0, 255]; NaN where no pixel is.
     """
     sums, counts = _sum_colours(kernel_array(rgb, np.uint8), kernel_array(foreground, np.bool_))
     means = np.full((2, 3), np.nan, np.float32)

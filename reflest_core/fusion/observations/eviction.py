@@ -20,7 +20,7 @@ OBSERVATION_WORTH = 4
 """Frames for which one more observation prolongs a voxel's stay."""
 
 _BUCKETS = 1 << 16
-"""Worths further apart than this many frames are told apart more coarsely: to 1/65536 of all."""
+"""Worths further apart than this many frames are ordered more coarsely: to 1/65536 of all."""
 
 
 @compiled
@@ -31,10 +31,19 @@ def least_worthy(
     rows_wanted: int,
     chunks_wanted: int,
 ) -> NDArray[np.int64]:
-    """The rows that must go, rising, to free so many rows and chunks: the least worthy ones.
+    """Choose the rows that must go; a kernel.
 
-    Of equal worth, the lower rows go. All rows that ``frame_number`` does not see, if these are not
-    enough. Takes time in proportion to the rows.
+    Of equal worth, the lower rows go. Takes time in proportion to the rows.
+
+    Args:
+        last_seen: (R,) frame number at which each row was seen last.
+        counts: (R,) observations of each row.
+        frame_number: Rows seen in this frame never go.
+        rows_wanted: Rows to free.
+        chunks_wanted: Chunks of observations to free.
+
+    Returns:
+        The least worthy rows, rising; all that may go, if these are not enough.
     """
     least, most = np.int64(1) << 62, np.int64(0)
     for row in range(len(last_seen)):

@@ -33,10 +33,13 @@ OBSERVATIONS = 3
 class ObservationChunks(NamedTuple):
     """C chunks, as kernels take them.
 
-    ``colours``: (C, 8, 3) uint8. ``view_ids``: (C, 8) uint16. ``after``: (C,) int32, the next older
-    chunk of the voxel or the next free one, ``NONE`` at the end. ``state``: (4,) int64, the first
-    free chunk, the number of chunks that were ever taken, of those that are taken now, and of
-    observations in them.
+    Attributes:
+        colours: (C, 8, 3) uint8, 8-bit sRGB.
+        view_ids: (C, 8) uint16.
+        after: (C,) int32, the next older chunk of the voxel or the next free one, ``NONE`` at the
+            end.
+        state: (4,) int64: the first free chunk, how many chunks were ever taken, how many are taken
+            now, and how many observations they hold.
     """
 
     colours: NDArray[np.uint8]
@@ -49,6 +52,11 @@ class ChunkPool:
     """A fixed number of chunks, of which the first ``count`` were taken at some time."""
 
     def __init__(self, capacity: int) -> None:
+        """Reserve the chunks.
+
+        Args:
+            capacity: Chunks.
+        """
         self.capacity = capacity
         self.chunks = ObservationChunks(
             colours=np.zeros((capacity, CHUNK, 3), np.uint8),
@@ -85,9 +93,15 @@ class ChunkPool:
     def restore(
         self, count: int, first_chunks: NDArray[np.int32], counts: NDArray[np.uint8]
     ) -> None:
-        """Take the first ``count`` chunks of :attr:`arrays`, just filled, for the pool.
+        """Take the first chunks of :attr:`arrays`, just filled, for the pool.
 
-        ``first_chunks``, ``counts``: of every voxel. Raises ``ValueError`` for a broken chain.
+        Args:
+            count: How many chunks were filled.
+            first_chunks: (R,) newest chunk of every voxel.
+            counts: (R,) observations of every voxel.
+
+        Raises:
+            ValueError: A chain is broken.
         """
         if not _sort_out(self.chunks, count, first_chunks, counts):
             raise ValueError("a voxel's observations are not its own")
@@ -95,7 +109,15 @@ class ChunkPool:
 
 @compiled
 def take_chunk(chunks: ObservationChunks, after: int) -> int:
-    """A chunk that comes before ``after``, or ``NONE`` if all are taken."""
+    """Take a free chunk and chain it before another; a kernel.
+
+    Args:
+        chunks: The pool's arrays.
+        after: The next older chunk of the voxel, or ``NONE``.
+
+    Returns:
+        The chunk, or ``NONE`` if all are taken.
+    """
     chunk = int(chunks.state[_FREE])
     if chunk != NONE:
         chunks.state[_FREE] = chunks.after[chunk]
@@ -111,7 +133,15 @@ def take_chunk(chunks: ObservationChunks, after: int) -> int:
 
 @compiled
 def release_chunk(chunks: ObservationChunks, chunk: int) -> int:
-    """Give a chunk back; returns the one after it."""
+    """Give a chunk back; a kernel.
+
+    Args:
+        chunks: The pool's arrays.
+        chunk: The chunk.
+
+    Returns:
+        The chunk after it in its voxel's chain.
+    """
     after = int(chunks.after[chunk])
     chunks.after[chunk] = chunks.state[_FREE]
     chunks.state[_FREE] = chunk
@@ -121,7 +151,17 @@ def release_chunk(chunks: ObservationChunks, chunk: int) -> int:
 
 @compiled
 def chunk_of_slot(chunks: ObservationChunks, first: int, count: int, slot: int) -> int:
-    """The chunk that holds ``slot`` of a voxel with ``count`` observations."""
+    """Find the chunk that holds a slot; a kernel.
+
+    Args:
+        chunks: The pool's arrays.
+        first: Newest chunk of the voxel.
+        count: Observations of the voxel.
+        slot: One of them.
+
+    Returns:
+        The chunk.
+    """
     chunk = first
     for _ in range((count - 1) // CHUNK - slot // CHUNK):
         chunk = int(chunks.after[chunk])
@@ -136,7 +176,15 @@ def copy_observations(
     colours: NDArray[np.uint8],
     view_ids: NDArray[np.uint16],
 ) -> None:
-    """Write a voxel's observations into ``colours`` (K, 3) and ``view_ids`` (K,), in slot order."""
+    """Copy a voxel's observations in the order of their slots; a kernel.
+
+    Args:
+        chunks: The pool's arrays.
+        first: Newest chunk of the voxel.
+        count: Observations of the voxel.
+        colours: (K, 3) filled.
+        view_ids: (K,) filled.
+    """
     chunk, last = first, count
     while last > 0:
         start = (last - 1) // CHUNK * CHUNK

@@ -24,7 +24,15 @@ def directions_to_views(
     view_centres: NDArray[np.float32],
     directions: NDArray[np.float64],
 ) -> None:
-    """Fill ``directions`` (3, K) with unit vectors from the voxel to its ``count`` views."""
+    """Fill in unit vectors from a voxel to its views; a kernel.
+
+    Args:
+        position: (3,) of the voxel, world frame, metres.
+        view_ids: (K,) its views.
+        count: How many there are.
+        view_centres: (W, 3) camera centres of all views, world frame, metres.
+        directions: (3, K) filled.
+    """
     for n in range(count):
         centre = view_centres[view_ids[n]]
         x = float(centre[0]) - float(position[0])
@@ -36,7 +44,16 @@ def directions_to_views(
 
 @compiled
 def squared_chord(directions: NDArray[np.float64], m: int, n: int) -> float:
-    """Squared distance between two unit directions, in [0, 4]."""
+    """Return the squared distance between two unit directions; a kernel.
+
+    Args:
+        directions: (3, K) unit vectors.
+        m: One of them.
+        n: The other.
+
+    Returns:
+        A number in [0, 4].
+    """
     x = directions[0, m] - directions[0, n]
     y = directions[1, m] - directions[1, n]
     z = directions[2, m] - directions[2, n]
@@ -47,7 +64,18 @@ def squared_chord(directions: NDArray[np.float64], m: int, n: int) -> float:
 def nearest_neighbour(
     directions: NDArray[np.float64], count: int, new: int, skip_a: int, skip_b: int
 ) -> float:
-    """Squared chord from ``new`` to the nearest of the first ``count`` but the skipped."""
+    """Return the squared chord from a direction to the nearest of the others; a kernel.
+
+    Args:
+        directions: (3, K) unit vectors.
+        count: The first so many are the others.
+        new: The direction.
+        skip_a: One of the others that does not count, or -1.
+        skip_b: The same.
+
+    Returns:
+        The squared chord, infinite where there is no other.
+    """
     nearest = np.inf
     for n in range(count):
         if n != new and n != skip_a and n != skip_b:
@@ -57,7 +85,15 @@ def nearest_neighbour(
 
 @compiled
 def closest_pair(directions: NDArray[np.float64], count: int) -> tuple[int, int]:
-    """The two of the first ``count`` directions that are closest together, lowest slots first."""
+    """Find the two directions that are closest together, lowest slots first; a kernel.
+
+    Args:
+        directions: (3, K) unit vectors.
+        count: The first so many count.
+
+    Returns:
+        Both slots.
+    """
     best_m, best_n, best = 0, 1, np.inf
     for m in range(count):
         row_best = np.inf
@@ -74,9 +110,15 @@ def closest_pair(directions: NDArray[np.float64], count: int) -> tuple[int, int]
 
 @compiled
 def slot_to_replace(directions: NDArray[np.float64], count: int, pair: tuple[int, int]) -> int:
-    """The slot that the direction in column ``count`` should take, or -1 to leave all as they are.
+    """Choose the slot that a new direction should take; a kernel.
 
-    ``pair``: the closest pair of the ``count`` kept directions.
+    Args:
+        directions: (3, K) unit vectors: the kept ones, then the new one.
+        count: How many are kept.
+        pair: The closest pair of the kept directions.
+
+    Returns:
+        The slot, or -1 to leave all as they are.
     """
     a, b = pair
     spread = squared_chord(directions, a, b)

@@ -1,9 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The inner loops of the observation store: finding, moving and removing its rows.
-
-All take the store's arrays: ``rows`` and ``chunks``.
-"""
+"""Kernels on the rows of the observation store."""
 
 from __future__ import annotations
 
@@ -35,11 +32,17 @@ from reflest_core.surface.voxel_key import NO_KEY
 class ObservationRows(NamedTuple):
     """R rows, one for each voxel.
 
-    ``index_keys``, ``index_rows``: slots of the :class:`KeyIndex`. ``keys``: (R,) int64 voxel keys.
-    ``positions``, ``normals``: (R, 3) float32. ``last_seen``: (R,) int32 frame number.
-    ``counts``: (R,) uint8 observations. ``pairs``: (R, 2) uint8, slots of the closest pair of
-    directions of a full row, equal where unknown. ``first_chunks``: (R,) int32, where the
-    observations are (:mod:`observation_chunks`).
+    Attributes:
+        index_keys: (S,) int64, slots of the :class:`.KeyIndex`.
+        index_rows: (S,) int32, slots of the :class:`.KeyIndex`.
+        keys: (R,) int64 voxel keys.
+        positions: (R, 3) float32, world frame, metres.
+        normals: (R, 3) float32, unit.
+        last_seen: (R,) int32 frame number.
+        counts: (R,) uint8 observations.
+        pairs: (R, 2) uint8, slots of the closest pair of directions of a full row, equal where
+            unknown.
+        first_chunks: (R,) int32, where the observations are (:mod:`.observation_chunks`).
     """
 
     index_keys: NDArray[np.int64]
@@ -57,7 +60,17 @@ class ObservationRows(NamedTuple):
 def find_rows(
     start: int, stop: int, rows: ObservationRows, keys: NDArray[np.int64]
 ) -> NDArray[np.int64]:
-    """The row of each of ``keys[start:stop]``, -1 where it has none."""
+    """Look keys up.
+
+    Args:
+        start: First key.
+        stop: Key after the last.
+        rows: The store's rows.
+        keys: (N,) voxel keys.
+
+    Returns:
+        The row of each of ``keys[start:stop]``, -1 where it has none.
+    """
     found = np.empty(stop - start, np.int64)
     for n in range(start, stop):
         found[n - start] = find_row(rows.index_keys, rows.index_rows, keys[n])
@@ -73,7 +86,16 @@ def refresh_rows(
     positions: NDArray[np.float32],
     normals: NDArray[np.float32],
 ) -> None:
-    """Give the rows ``selected[start:stop]`` (-1: none) their new position and normal."""
+    """Renew positions and normals of rows.
+
+    Args:
+        start: First of ``selected``.
+        stop: The one after the last.
+        rows: The store's rows.
+        selected: (S,) rows, -1 for none.
+        positions: (S, 3) world frame, metres.
+        normals: (S, 3) unit.
+    """
     for n in range(start, stop):
         row = selected[n]
         if row >= 0:
@@ -90,7 +112,18 @@ def append_rows(
     positions: NDArray[np.float32],
     normals: NDArray[np.float32],
 ) -> int:
-    """Add voxels that are not stored yet, without observations; return the new row count."""
+    """Add voxels that are not stored yet, without observations.
+
+    Args:
+        rows: The store's rows.
+        count: Rows in use.
+        keys: (N,) voxel keys.
+        positions: (N, 3) world frame, metres.
+        normals: (N, 3) unit.
+
+    Returns:
+        The new number of rows in use.
+    """
     for n in range(len(keys)):
         put_row(rows.index_keys, rows.index_rows, keys[n], count)
         rows.keys[count] = keys[n]
@@ -105,7 +138,17 @@ def append_rows(
 
 @compiled
 def remove_row(rows: ObservationRows, chunks: ObservationChunks, count: int, row: int) -> int:
-    """Remove a row and fill its place with the last one; return the new row count."""
+    """Remove a row and fill its place with the last one.
+
+    Args:
+        rows: The store's rows.
+        chunks: The store's chunks.
+        count: Rows in use.
+        row: The row.
+
+    Returns:
+        The new number of rows in use.
+    """
     chunks.state[OBSERVATIONS] -= rows.counts[row]
     chunk = int(rows.first_chunks[row])
     while chunk != NONE:
@@ -128,7 +171,17 @@ def remove_row(rows: ObservationRows, chunks: ObservationChunks, count: int, row
 def remove_keys(
     rows: ObservationRows, chunks: ObservationChunks, count: int, keys: NDArray[np.int64]
 ) -> int:
-    """Remove the stored ones of these voxels; return the new row count."""
+    """Remove voxels, stored or not.
+
+    Args:
+        rows: The store's rows.
+        chunks: The store's chunks.
+        count: Rows in use.
+        keys: (N,) voxel keys.
+
+    Returns:
+        The new number of rows in use.
+    """
     for n in range(len(keys)):
         row = find_row(rows.index_keys, rows.index_rows, keys[n])
         if row >= 0:
@@ -144,9 +197,19 @@ def move_keys(
     left: NDArray[np.int64],
     left_to: NDArray[np.int64],
 ) -> int:
-    """Hand each voxel's observations to the voxel its surface moved to; return the row count.
+    """Hand each voxel's observations to the voxel that its surface moved to.
 
-    Of two voxels that meet, the one with more observations is kept. ``NO_KEY`` removes.
+    Of two voxels that meet, the one with more observations is kept.
+
+    Args:
+        rows: The store's rows.
+        chunks: The store's chunks.
+        count: Rows in use.
+        left: (L,) voxels that left the surface.
+        left_to: (L,) voxels that their surface moved to; ``NO_KEY`` removes.
+
+    Returns:
+        The new number of rows in use.
     """
     for n in range(len(left)):
         row = find_row(rows.index_keys, rows.index_rows, left[n])
@@ -171,7 +234,17 @@ def move_keys(
 def has_seen(
     rows: ObservationRows, chunks: ObservationChunks, row: int, is_one: NDArray[np.bool_]
 ) -> bool:
-    """Whether one of the views marked in ``is_one`` (65536,) observed the row."""
+    """Decide whether one of some views observed a row.
+
+    Args:
+        rows: The store's rows.
+        chunks: The store's chunks.
+        row: The row.
+        is_one: (65536,) whether each view id is one of them.
+
+    Returns:
+        Whether one did.
+    """
     chunk, left = rows.first_chunks[row], int(rows.counts[row])
     while left > 0:
         in_chunk = (left - 1) % CHUNK + 1
@@ -192,9 +265,18 @@ def rows_unseen_from(
     selected: NDArray[np.int64],
     is_one: NDArray[np.bool_],
 ) -> NDArray[np.bool_]:
-    """True for those of the rows ``selected[start:stop]`` that no view of ``is_one`` observed.
+    """Find the rows that none of some views observed.
 
-    ``is_one``: (65536,) by view id.
+    Args:
+        start: First of ``selected``.
+        stop: The one after the last.
+        rows: The store's rows.
+        chunks: The store's chunks.
+        selected: (S,) rows.
+        is_one: (65536,) whether each view id is one of them.
+
+    Returns:
+        True for those of ``selected[start:stop]`` that none observed.
     """
     unseen = np.empty(stop - start, np.bool_)
     for n in range(start, stop):
@@ -212,9 +294,21 @@ def observe_rows(
     view: int,
     view_centres: NDArray[np.float32],
 ) -> int:
-    """Add one observation of ``view`` to each selected row; return how many were kept.
+    """Add one observation to each of some rows.
 
     A row is full with ``slots`` observations, or with what it has if no chunk is left.
+
+    Args:
+        rows: The store's rows.
+        chunks: The store's chunks.
+        slots: Observations that a row may have.
+        selected: (S,) rows.
+        colours: (S, 3) 8-bit sRGB.
+        view: Id of the view that observes.
+        view_centres: (W, 3) camera centres of all views, world frame, metres.
+
+    Returns:
+        How many observations were kept.
     """
     directions = np.empty((3, slots + 1), np.float64)
     old_colours = np.empty((slots, 3), np.uint8)
@@ -260,7 +354,14 @@ def observe_rows(
 def drop_views(
     rows: ObservationRows, chunks: ObservationChunks, count: int, is_one: NDArray[np.bool_]
 ) -> None:
-    """Remove every observation of the views of ``is_one`` (65536,); rows stay."""
+    """Remove every observation of some views; rows stay.
+
+    Args:
+        rows: The store's rows.
+        chunks: The store's chunks.
+        count: Rows in use.
+        is_one: (65536,) whether each view id is one of them.
+    """
     for row in range(count):
         slot = 0
         while slot < rows.counts[row]:
@@ -291,9 +392,17 @@ def gather_observations(
     colours: NDArray[np.uint8],
     view_ids: NDArray[np.uint16],
 ) -> None:
-    """Copy the observations of the rows ``selected[start:stop]`` to their ``offsets``.
+    """Copy the observations of rows one after another.
 
-    ``colours``: (O, 3). ``view_ids``: (O,).
+    Args:
+        start: First of ``selected``.
+        stop: The one after the last.
+        rows: The store's rows.
+        chunks: The store's chunks.
+        selected: (S,) rows.
+        offsets: (S + 1,) where each row's observations begin.
+        colours: (O, 3) filled.
+        view_ids: (O,) filled.
     """
     for n in range(start, stop):
         row = selected[n]

@@ -35,10 +35,16 @@ LEAST_SHARE = 4096
 
 
 class ObservationStore:
-    """``count`` voxels in use, the first ones of ``rows``; see :class:`ObservationRows`."""
+    """The observations of voxels; ``count`` rows are in use, the first ones of ``rows``."""
 
     def __init__(self, capacity: int, chunks: int, observations_per_voxel: int) -> None:
-        """``capacity``: voxels. ``chunks``: of observations. ``observations_per_voxel``: K."""
+        """Reserve memory.
+
+        Args:
+            capacity: Voxels.
+            chunks: Chunks of observations.
+            observations_per_voxel: K, at most so many of one voxel are kept.
+        """
         self.capacity = capacity
         self.count = 0
         self.observations_per_voxel = observations_per_voxel
@@ -68,7 +74,16 @@ class ObservationStore:
         return {name: array for name, array in fields if not name.startswith("index_")}
 
     def restore(self, count: int, chunk_count: int, view_count: int) -> None:
-        """Take the first rows of :attr:`arrays` and of the pool's, just filled, for the store."""
+        """Take the first rows of :attr:`arrays` and of the pool's, just filled, for the store.
+
+        Args:
+            count: Rows that were filled.
+            chunk_count: Chunks that were filled.
+            view_count: Views that observations may be of.
+
+        Raises:
+            ValueError: The rows contradict themselves.
+        """
         rows = self.rows
         if not are_unique_keys(rows.keys[:count]):
             raise ValueError("voxel keys repeat")
@@ -96,9 +111,15 @@ class ObservationStore:
     def observations(
         self, selected: NDArray[np.int64], threads: int = 1
     ) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
-        """The observations of the rows ``selected``, one after another.
+        """Copy the observations of rows, one row after another.
 
-        Returns (O, 3) uint8 colours and (O,) uint16 view ids; ``rows.counts`` tells whose they are.
+        Args:
+            selected: (S,) rows; ``rows.counts[selected]`` says how many observations belong to
+                each.
+            threads: Threads that share the work.
+
+        Returns:
+            (O, 3) 8-bit colours and (O,) view ids.
         """
         offsets = np.zeros(len(selected) + 1, np.int64)
         np.cumsum(self.rows.counts[selected], out=offsets[1:], dtype=np.int64)
@@ -119,7 +140,15 @@ class ObservationStore:
         return colours, view_ids
 
     def find(self, keys: NDArray[np.int64], threads: int = 1) -> NDArray[np.int64]:
-        """The row of each voxel key, -1 where it is not stored."""
+        """Look voxels up.
+
+        Args:
+            keys: (N,) voxel keys.
+            threads: Threads that share the work.
+
+        Returns:
+            (N,) rows, -1 where a voxel is not stored.
+        """
         parts = share_out(
             threads, len(keys), LEAST_SHARE, observation_rows.find_rows, self.rows, keys
         )
@@ -132,7 +161,14 @@ class ObservationStore:
         normals: NDArray[np.float32],
         threads: int = 1,
     ) -> None:
-        """Renew position and normal (S, 3) of the rows ``selected``; -1 is none."""
+        """Renew positions and normals of rows.
+
+        Args:
+            selected: (S,) rows, -1 for none.
+            positions: (S, 3) world frame, metres.
+            normals: (S, 3) unit.
+            threads: Threads that share the work.
+        """
         share_out(
             threads,
             len(selected),
@@ -145,13 +181,22 @@ class ObservationStore:
         )
 
     def move(self, left: NDArray[np.int64], left_to: NDArray[np.int64]) -> None:
-        """Hand the observations of voxels that left the surface on (``SurfaceUpdate``)."""
+        """Hand on the observations of voxels that left the surface (:class:`.SurfaceUpdate`).
+
+        Args:
+            left: (L,) voxels that left.
+            left_to: (L,) voxels that their surface moved to, ``NO_KEY`` for none.
+        """
         self.count = observation_rows.move_keys(
             self.rows, self.pool.chunks, self.count, left, left_to
         )
 
     def remove(self, keys: NDArray[np.int64]) -> None:
-        """Forget the stored ones of these voxels."""
+        """Forget voxels, stored or not.
+
+        Args:
+            keys: (N,) voxel keys.
+        """
         self.count = observation_rows.remove_keys(self.rows, self.pool.chunks, self.count, keys)
 
     def claim(
@@ -162,10 +207,19 @@ class ObservationStore:
         normals: NDArray[np.float32],
         frame_number: int,
     ) -> NDArray[np.int64]:
-        """Return a row for each voxel that frame ``frame_number`` sees, making room if need be.
+        """Return a row for each voxel that a frame sees, making room if need be.
 
-        ``keys``: (S,) without repeats. ``rows``: where they are (:meth:`find`). -1 where even
-        eviction made no room. Rows stay valid until the next call that adds or removes voxels.
+        Rows stay valid until the next call that adds or removes voxels.
+
+        Args:
+            keys: (S,) voxel keys without repeats.
+            rows: (S,) where they are (:meth:`find`).
+            positions: (S, 3) world frame, metres.
+            normals: (S, 3) unit.
+            frame_number: The frame.
+
+        Returns:
+            (S,) rows; -1 where even eviction made no room.
         """
         known = rows[rows >= 0]
         self.rows.last_seen[known] = frame_number
@@ -187,7 +241,16 @@ class ObservationStore:
     def unseen_from(
         self, selected: NDArray[np.int64], views: NDArray[np.int64], threads: int = 1
     ) -> NDArray[np.bool_]:
-        """(S,) True for the selected rows that have no observation from any of ``views``."""
+        """Find the rows that have no observation from any of some views.
+
+        Args:
+            selected: (S,) rows.
+            views: View ids.
+            threads: Threads that share the work.
+
+        Returns:
+            (S,) bool.
+        """
         parts = share_out(
             threads,
             len(selected),
@@ -207,9 +270,16 @@ class ObservationStore:
         view: int,
         view_centres: NDArray[np.float32],
     ) -> int:
-        """Add an observation of ``view`` to each selected row; return how many were kept.
+        """Add an observation to each of some rows.
 
-        ``selected``: (S,) rows. ``colours``: (S, 3) uint8. ``view_centres``: (W, 3), of all views.
+        Args:
+            selected: (S,) rows.
+            colours: (S, 3) 8-bit sRGB.
+            view: Id of the view that observes.
+            view_centres: (W, 3) camera centres of all views, world frame, metres.
+
+        Returns:
+            How many observations were kept.
         """
         return observation_rows.observe_rows(
             self.rows,
@@ -222,7 +292,11 @@ class ObservationStore:
         )
 
     def drop_views(self, views: NDArray[np.int64]) -> None:
-        """Forget every observation of ``views``."""
+        """Forget every observation of some views.
+
+        Args:
+            views: View ids.
+        """
         observation_rows.drop_views(self.rows, self.pool.chunks, self.count, marked(views))
 
     def _make_room(self, rows: int, chunks: int, frame_number: int) -> bool:
@@ -243,7 +317,14 @@ class ObservationStore:
 
 
 def marked(views: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """(65536,) True at ``views``."""
+    """Turn view ids into a table for kernels.
+
+    Args:
+        views: View ids.
+
+    Returns:
+        (65536,) bool, True at ``views``.
+    """
     is_one = np.zeros(1 << 16, np.bool_)
     is_one[views] = True
     return is_one

@@ -39,7 +39,12 @@ TILE = 8
 
 @dataclass(frozen=True)
 class KnownFrame:
-    """``view``: the nearest stored view. ``share``: of the frame that views like it observed."""
+    """A frame that shows what stored views showed already.
+
+    Attributes:
+        view: The nearest stored view.
+        share: Share of the frame's surface that views like it observed.
+    """
 
     view: int
     share: float
@@ -53,7 +58,19 @@ def known_frame(
     voxel_size: float,
     view_spacing: float,
 ) -> KnownFrame | None:
-    """From which view the frame is known, or None."""
+    """Find the view from which a frame is known.
+
+    Args:
+        frame: The frame.
+        pixels: What fusion takes of it.
+        store: The stored observations.
+        views: The stored views.
+        voxel_size: Metres.
+        view_spacing: Degrees between views that are distinct.
+
+    Returns:
+        The view, or None where the frame is not known.
+    """
     T = kernel_array(frame.T_world_camera, np.float64)
     K = frame.intrinsics.matrix
     stride = max(1, pixels.depth.shape[1] // SAMPLES_ACROSS)

@@ -23,16 +23,26 @@ BYTES_PER_VIEW = 3 * 12 + 8 + 8 + 4 + 4
 
 
 class ViewTable:
-    """The first ``count`` rows hold a view each; a row number is an observation's view id.
+    """The stored views; the first ``count`` rows hold one each, and a row number is a view id.
 
-    ``centres``: (W, 3) float32, camera centres in the world frame, metres. ``foreground``,
-    ``background``: (W, 3) float32, F and B, mean 8-bit colour, NaN where unknown. ``stamps``: (W,)
-    int64, nanoseconds. ``order``: (W,) int64, rising in the order of storing; -1 where no view is
-    any more. ``frames``: (W,) int32, frames fused of which it was the nearest view. ``gains``: (W,)
-    float32, by what its linear colours are multiplied to be at the scan's common exposure.
+    Attributes:
+        capacity: Most views.
+        count: Rows in use.
+        centres: (W, 3) float32, camera centres, world frame, metres.
+        foreground: (W, 3) float32, F, mean 8-bit colour, NaN where unknown.
+        background: (W, 3) float32, B, the same.
+        stamps: (W,) int64, nanoseconds.
+        order: (W,) int64, rising in the order of storing; -1 where no view is any more.
+        frames: (W,) int32, frames fused of which it was the nearest view.
+        gains: (W,) float32, factors that bring its linear colours to the scan's common exposure.
     """
 
     def __init__(self, capacity: int = VIEW_CAPACITY) -> None:
+        """Reserve memory.
+
+        Args:
+            capacity: Most views.
+        """
         self.capacity = capacity
         self.count = 0
         self.centres: NDArray[np.float32] = np.zeros((capacity, 3), np.float32)
@@ -57,10 +67,18 @@ class ViewTable:
     def near(
         self, centre: NDArray[np.float64], scene: NDArray[np.float64], spacing: float
     ) -> NDArray[np.int64]:
-        """Ids of the views from which ``scene`` looks as it does from ``centre``, nearest first.
+        """Find the views from which a scene looks as it does from a place.
 
-        Those are the views closer to ``centre`` than ``spacing`` (degrees) spans at the distance
-        from ``scene`` to ``centre``; both (3,), world frame, metres.
+        Those are the views closer to ``centre`` than ``spacing`` spans at the distance from
+        ``scene`` to ``centre``.
+
+        Args:
+            centre: (3,) the place, world frame, metres.
+            scene: (3,) the scene's middle, world frame, metres.
+            spacing: Degrees.
+
+        Returns:
+            View ids, nearest first.
         """
         distance = float(np.linalg.norm(centre - scene))
         reach = 2.0 * math.sin(math.radians(spacing) / 2.0) * distance
@@ -69,13 +87,21 @@ class ViewTable:
         return ids[np.argsort(away[ids], kind="stable")]
 
     def oldest(self) -> NDArray[np.int64]:
-        """The ids of the views that give way next: the oldest eighth."""
+        """Choose the views that give way next.
+
+        Returns:
+            View ids: the oldest eighth.
+        """
         stored = np.flatnonzero(self.order[: self.count] != _FREE)
         by_age = stored[np.argsort(self.order[stored], kind="stable")]
         return by_age[: max(1, self.capacity // FORGOTTEN_SHARE)]
 
     def forget(self, views: NDArray[np.int64]) -> None:
-        """Free the ids ``views``; the caller must have dropped their observations before."""
+        """Free views; their observations must have been dropped before.
+
+        Args:
+            views: View ids.
+        """
         self.order[views] = _FREE
         self.centres[views] = np.nan
         self.foreground[views] = np.nan
@@ -89,7 +115,18 @@ class ViewTable:
         stamp_ns: int,
         gain: float = 1.0,
     ) -> int:
-        """Store a view and return its id; the table must not be full."""
+        """Store a view; the table must not be full.
+
+        Args:
+            centre: (3,) camera centre, world frame, metres.
+            foreground: (3,) F, mean 8-bit colour, NaN where unknown.
+            background: (3,) B, the same.
+            stamp_ns: Nanoseconds.
+            gain: Factor that brings its linear colours to the common exposure.
+
+        Returns:
+            The view's id.
+        """
         used = self.order[: self.count]
         newest = int(np.max(used, initial=_FREE))
         free = np.flatnonzero(used == _FREE)

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Where the voxels of a block appear in an image.
+"""The projection of a block's voxels into an image.
 
 Written as plain loops over the 512 voxels without branches, which the compiler turns into vector
 instructions; single precision from the block's corner, whose place is computed in double.
@@ -21,12 +21,16 @@ VOXELS = BLOCK_EDGE**3
 
 
 class BlockProjection(NamedTuple):
-    """Each (512,): of every voxel of one block.
+    """Where every voxel of one block projects to.
 
-    ``z``: float32, metres along the optical axis. ``is_inside``: whether the voxel is in front of
-    the camera and projects into the image; the rest holds for these alone. ``nearest``: int32, flat
-    index of the nearest pixel. ``corner``: int32, flat index of the upper left of the four pixels
-    around it. ``right``, ``down``: float32 in [0, 1], where it is between these four.
+    Attributes:
+        z: (512,) float32, metres along the optical axis.
+        is_inside: (512,) whether the voxel is in front of the camera and projects into the image;
+            the rest holds for these alone.
+        nearest: (512,) int32, flat index of the nearest pixel.
+        corner: (512,) int32, flat index of the upper left of the four pixels around it.
+        right: (512,) float32 in [0, 1], where it is between these four.
+        down: (512,) float32 in [0, 1], the same.
     """
 
     z: NDArray[np.float32]
@@ -39,7 +43,11 @@ class BlockProjection(NamedTuple):
 
 @compiled
 def empty_projection() -> BlockProjection:
-    """Room for one block's projection."""
+    """Reserve room for one block's projection; a kernel.
+
+    Returns:
+        Arrays to fill.
+    """
     return BlockProjection(
         np.empty(VOXELS, np.float32),
         np.empty(VOXELS, np.bool_),
@@ -59,7 +67,16 @@ def project_block(
     width: int,
     out: BlockProjection,
 ) -> None:
-    """Project the block ``key``; ``P``: (3, 4), world to homogeneous pixels."""
+    """Project a block; a kernel.
+
+    Args:
+        key: The block.
+        P: (3, 4) world to homogeneous pixels.
+        voxel_size: Metres.
+        height: Of the image, pixels.
+        width: Of the image, pixels.
+        out: Filled.
+    """
     i, j, k = unpack_key(key)
     x, y, z = np.float64(i * BLOCK_EDGE), np.float64(j * BLOCK_EDGE), np.float64(k * BLOCK_EDGE)
     at = np.empty(3, np.float32)

@@ -43,10 +43,24 @@ def integrate_blocks(
     blocks: TsdfBlocks,
     frame_number: int,
 ) -> NDArray[np.int64]:
-    """Update the blocks ``slots[start:stop]``; return those that changed, in their order.
+    """Fuse a frame's depth into blocks; a kernel.
 
-    ``depth``, ``steepness``, ``gain``, ``free_depth``: (H, W), see ``FramePixels``. ``P``: (3, 4),
-    world to homogeneous pixels. ``truncation``: metres.
+    Args:
+        start: First of ``slots``.
+        stop: The one after the last.
+        slots: Blocks.
+        depth: (H, W) metres, see :class:`.FramePixels`.
+        steepness: (H, W) the same.
+        gain: (H, W) the same.
+        free_depth: (H, W) the same.
+        P: (3, 4) world to homogeneous pixels.
+        voxel_size: Metres.
+        truncation: Metres.
+        blocks: The volume's arrays.
+        frame_number: The frame.
+
+    Returns:
+        Those of ``slots[start:stop]`` that changed, in their order.
     """
     height, width = depth.shape
     projection = empty_projection()

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A block with one voxel of its neighbours around it, and its gradient.
+"""A block with the voxels around it, and the gradient of the TSDF there.
 
 Flat arrays of 10 x 10 x 10: in them every neighbour is at a fixed distance, so that the loops below
 run over the whole array without branches and become vector instructions. What they compute for the
@@ -31,9 +31,12 @@ ALL_PAIRS = np.float32(16.0)
 class PaddedBlock(NamedTuple):
     """Float32 arrays of one block.
 
-    ``values``: (1000,) the TSDF, 0 where unobserved. ``known``: (1000,) 1 where observed, else 0.
-    ``gradient``: (3, 1000), per voxel. ``pairs``: (3, 1000) Sobel weight of the observed pairs
-    along each axis, at most 16. ``scratch``: (2, 1000).
+    Attributes:
+        values: (1000,) the TSDF, 0 where unobserved.
+        known: (1000,) 1 where observed, else 0.
+        gradient: (3, 1000) per voxel.
+        pairs: (3, 1000) Sobel weight of the observed pairs along each axis, at most 16.
+        scratch: (2, 1000).
     """
 
     values: NDArray[np.float32]
@@ -45,7 +48,11 @@ class PaddedBlock(NamedTuple):
 
 @compiled
 def empty_padded_block() -> PaddedBlock:
-    """Room for one block."""
+    """Reserve room for one block; a kernel.
+
+    Returns:
+        Arrays to fill.
+    """
     return PaddedBlock(
         np.zeros(SIZE, np.float32),
         np.zeros(SIZE, np.float32),
@@ -57,9 +64,15 @@ def empty_padded_block() -> PaddedBlock:
 
 @compiled
 def gather(blocks: TsdfBlocks, key: int, out: PaddedBlock) -> bool:
-    """Fill ``values`` and ``known`` with the block ``key`` and what surrounds it.
+    """Fill in a block's values and those around it; a kernel.
 
-    Returns whether all of it is known.
+    Args:
+        blocks: The volume's arrays.
+        key: The block.
+        out: ``values`` and ``known`` are filled.
+
+    Returns:
+        Whether all of it is known.
     """
     i, j, k = unpack_key(key)
     tsdf, weight = blocks.tsdf.reshape(-1), blocks.weight.reshape(-1)
@@ -105,9 +118,11 @@ def _range_towards(direction: int) -> tuple[int, int, int]:
 
 @compiled
 def find_gradient(block: PaddedBlock, is_whole: bool) -> None:
-    """Sobel operator over the 3 x 3 x 3 neighbourhood, using the pairs of which both are known.
+    """Apply the Sobel operator over 3 x 3 x 3 voxels, to pairs of which both are known; a kernel.
 
-    ``is_whole``: all are known, so that the pairs need no counting.
+    Args:
+        block: ``gradient`` and ``pairs`` are filled.
+        is_whole: All values are known, so that the pairs need no counting.
     """
     _along(block, is_whole, 0, EDGE * EDGE, EDGE, 1)
     _along(block, is_whole, 1, EDGE, EDGE * EDGE, 1)

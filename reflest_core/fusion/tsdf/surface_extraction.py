@@ -62,11 +62,21 @@ def extract_surface(
     NDArray[np.int64],
     NDArray[np.int64],
 ]:
-    """Find the surface voxels of the blocks ``slots[start:stop]`` again and update ``on_surface``.
+    """Find the surface voxels of blocks and update ``on_surface``; a kernel.
 
-    Returns their keys (V,), foot points (V, 3) in the world frame and outward unit normals (V, 3);
-    and the keys (L,) of voxels that left the surface with the key (L,) of the voxel that their foot
-    point moved to (:func:`settle_left` says if the surface is there), or ``NO_KEY``.
+    Args:
+        start: First of ``slots``.
+        stop: The one after the last.
+        slots: Blocks.
+        voxel_size: Metres.
+        truncation: Metres.
+        blocks: The volume's arrays.
+
+    Returns:
+        Keys (V,) of surface voxels, their foot points (V, 3) in the world frame and outward unit
+        normals (V, 3); keys (L,) of voxels that left the surface, and keys (L,) of the voxels that
+        their foot points moved to (:func:`confirm_moves` checks that the surface is there) or
+        ``NO_KEY``.
     """
     most = (stop - start) * VOXELS
     found_keys = np.empty(most, np.int64)
@@ -122,8 +132,13 @@ def extract_surface(
 
 
 @compiled
-def settle_left(left_to: NDArray[np.int64], blocks: TsdfBlocks) -> None:
-    """Replace those of ``left_to`` that are no surface voxels by ``NO_KEY``."""
+def confirm_moves(left_to: NDArray[np.int64], blocks: TsdfBlocks) -> None:
+    """Replace those of ``left_to`` that are no surface voxels by ``NO_KEY``; a kernel.
+
+    Args:
+        left_to: (L,) voxel keys, changed in place.
+        blocks: The volume's arrays.
+    """
     for n in range(len(left_to)):
         if not _is_on_surface(blocks, left_to[n]):
             left_to[n] = NO_KEY

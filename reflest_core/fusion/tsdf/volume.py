@@ -17,12 +17,10 @@ from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.frames.foreground import FramePixels
-from reflest_core.fusion.tsdf.block_allocation import allocate_blocks, pixel_stride
-from reflest_core.fusion.tsdf.block_erasure import erase_blocks, surface_keys
-from reflest_core.fusion.tsdf.blocks_in_sight import blocks_in_sight
+from reflest_core.fusion.tsdf.frame_blocks import allocate_blocks, blocks_in_sight, pixel_stride
 from reflest_core.fusion.tsdf.integration import integrate_blocks
-from reflest_core.fusion.tsdf.surface_extraction import extract_surface, settle_left
-from reflest_core.fusion.tsdf.tsdf_blocks import TsdfBlocks
+from reflest_core.fusion.tsdf.surface_extraction import confirm_moves, extract_surface
+from reflest_core.fusion.tsdf.tsdf_blocks import TsdfBlocks, erase_blocks, surface_keys
 from reflest_core.fusion.work_sharing import share_out
 from reflest_core.jit import kernel_array
 from reflest_core.surface.key_index import BYTES_PER_ROW, KeyIndex, are_unique_keys
@@ -33,8 +31,8 @@ BYTES_PER_BLOCK = BLOCK_EDGE**3 * (4 + 2 + 1) + 8 + 8 + BYTES_PER_ROW
 ERASED_SHARE = 8
 """Room is made for this fraction (one eighth) of the capacity at a time."""
 
-MOST_LOOKED_AT = 8192
-"""Blocks that a frame looks at beyond those near its surface: a larger volume is gone through in
+MOST_BESIDE = 8192
+"""Blocks that a frame projects beyond those near its surface: a larger volume is gone through in
 turns, so that a frame's cost does not grow with what was scanned before."""
 
 LEAST_SHARE = 64
@@ -45,10 +43,13 @@ LEAST_SHARE = 64
 class SurfaceUpdate:
     """The surface in the blocks that a frame changed.
 
-    ``keys``: (V,) int64 surface voxels. ``positions``: (V, 3) float32, on the zero level, world
-    frame, metres. ``normals``: (V, 3) float32, unit, outward. ``left``: (L,) int64 voxels that are
-    no longer on the surface; ``left_to``: (L,) int64 the surface voxel that each one's piece of
-    surface moved to, ``NO_KEY`` if none.
+    Attributes:
+        keys: (V,) int64 surface voxels.
+        positions: (V, 3) float32, on the zero level, world frame, metres.
+        normals: (V, 3) float32, unit, outward.
+        left: (L,) int64 voxels that are no longer on the surface.
+        left_to: (L,) int64 the surface voxel that each one's piece of surface moved to, ``NO_KEY``
+            if none.
     """
 
     keys: NDArray[np.int64]
@@ -59,10 +60,16 @@ class SurfaceUpdate:
 
 
 class TsdfVolume:
-    """``count`` blocks in use, the first ones of ``blocks``; see :class:`TsdfBlocks`."""
+    """A block-hashed TSDF; ``count`` blocks are in use, the first ones of ``blocks``."""
 
     def __init__(self, voxel_size: float, truncation: float, capacity: int) -> None:
-        """``voxel_size``: metres. ``truncation``: voxels. ``capacity``: blocks."""
+        """Reserve memory.
+
+        Args:
+            voxel_size: Metres.
+            truncation: Voxels.
+            capacity: Blocks.
+        """
         self.voxel_size = voxel_size
         self.truncation = truncation * voxel_size
         self.capacity = capacity
@@ -91,7 +98,14 @@ class TsdfVolume:
         return {name: array for name, array in fields if not name.startswith("index_")}
 
     def restore(self, count: int) -> None:
-        """Take the first ``count`` rows of :attr:`arrays`, just filled, for the volume."""
+        """Take the first rows of :attr:`arrays`, just filled, for the volume.
+
+        Args:
+            count: Rows that were filled.
+
+        Raises:
+            ValueError: Block keys repeat.
+        """
         if not are_unique_keys(self.blocks.keys[:count]):
             raise ValueError("block keys repeat")
         self.count = count
@@ -100,10 +114,17 @@ class TsdfVolume:
     def allocate(
         self, frame: Frame, pixels: FramePixels, frame_number: int
     ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Make sure of blocks around the surface that the frame shows.
+        """Make sure of blocks around the surface that a frame shows.
 
-        Returns their slots, and the keys of surface voxels that were erased to make room. Blocks
-        that this frame sees are never erased: what does not fit beside them is left out.
+        Blocks that this frame sees are never erased: what does not fit beside them is left out.
+
+        Args:
+            frame: The frame.
+            pixels: What fusion takes of it.
+            frame_number: Its number.
+
+        Returns:
+            The blocks' slots, and the keys of surface voxels that were erased to make room.
         """
         erased = [np.empty(0, np.int64)]
         farthest = float(np.max(pixels.depth, where=pixels.surface, initial=0.0))
@@ -146,14 +167,20 @@ class TsdfVolume:
     def in_sight(
         self, near: NDArray[np.int64], frame: Frame, max_depth: float, frame_number: int
     ) -> NDArray[np.int64]:
-        """Slots, ascending, of the blocks ``near`` and of others that may appear in the image.
+        """Add blocks that may appear in the image to those around the frame's surface.
 
-        ``near``: blocks around the surface that the frame shows (:meth:`allocate`).
-        ``max_depth``: metres beyond which no surface is fused.
+        Args:
+            near: Blocks around the surface that the frame shows (:meth:`allocate`).
+            frame: The frame.
+            max_depth: Metres beyond which no surface is fused.
+            frame_number: Its number.
+
+        Returns:
+            Slots, ascending.
         """
         beside = blocks_in_sight(
-            frame_number * MOST_LOOKED_AT,
-            MOST_LOOKED_AT,
+            frame_number * MOST_BESIDE,
+            MOST_BESIDE,
             self.blocks.keys[: self.count],
             self.blocks.last_seen,
             frame_number,
@@ -173,7 +200,18 @@ class TsdfVolume:
         frame_number: int,
         threads: int,
     ) -> NDArray[np.int64]:
-        """Fuse the frame's depth into the blocks ``slots``; return those that changed."""
+        """Fuse a frame's depth into blocks.
+
+        Args:
+            slots: Blocks.
+            frame: The frame.
+            pixels: What fusion takes of it.
+            frame_number: Its number.
+            threads: Threads that share the work.
+
+        Returns:
+            The blocks that changed.
+        """
         changed = share_out(
             threads,
             len(slots),
@@ -193,7 +231,15 @@ class TsdfVolume:
         return np.concatenate(changed)
 
     def extract(self, slots: NDArray[np.int64], threads: int) -> SurfaceUpdate:
-        """Find the surface voxels in the blocks ``slots`` again."""
+        """Find the surface voxels in blocks.
+
+        Args:
+            slots: Blocks.
+            threads: Threads that share the work.
+
+        Returns:
+            The surface in them.
+        """
         parts = share_out(
             threads,
             len(slots),
@@ -205,7 +251,7 @@ class TsdfVolume:
             self.blocks,
         )
         update = SurfaceUpdate(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-        settle_left(update.left_to, self.blocks)
+        confirm_moves(update.left_to, self.blocks)
         return update
 
 

@@ -8,7 +8,7 @@ import dataclasses
 
 import numpy as np
 
-from reflest_core.fusion.tsdf.block_erasure import surface_keys
+from reflest_core.fusion.tsdf.tsdf_blocks import surface_keys
 
 
 def state_of(scan):

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 
-from reflest_core.evaluation.quick_set import keep_voxels
 from reflest_core.fusion import snapshot
 from reflest_core.fusion.observations.observation_store import ObservationStore
 from reflest_core.fusion.observations.views import ViewTable
+from reflest_core.surface.selection import keep_voxels
 from reflest_core.surface.upright import upright
 
 

@@ -13,7 +13,7 @@ from test.core.fusion.analytic_scene import OBJECT, Sphere, look_at, orbit_frame
 
 SETTINGS = FusionSettings(max_depth=1.0, work_radius=100.0)
 COUNTS = (
-    "blocks_looked_at",
+    "blocks_projected",
     "blocks_changed",
     "surface_voxels",
     "voxels_seen",
@@ -39,7 +39,7 @@ def test_only_blocks_near_the_surface_are_looked_at_in_a_single_view():
     fused = scan.fuse(orbit_frames(1)[0])
     cap_area = 2 * np.pi * OBJECT.radius**2
     block_edge = 8 * SETTINGS.voxel_size
-    assert fused.blocks_looked_at < 6 * cap_area / block_edge**2
+    assert fused.blocks_projected < 6 * cap_area / block_edge**2
     assert fused.surface_voxels < 1.5 * cap_area / SETTINGS.voxel_size**2
 
 
@@ -49,7 +49,7 @@ def test_a_region_leaves_the_rest_out():
     frame = render(spheres, look_at((0.6, 0.0, 0.1)), 0)
     everything = Scan(SETTINGS, RegionSettings()).fuse(frame)
     object_alone = Scan(SETTINGS, region).fuse(frame)
-    assert object_alone.blocks_looked_at < 0.5 * everything.blocks_looked_at
+    assert object_alone.blocks_projected < 0.5 * everything.blocks_projected
 
 
 def far_away(count):
@@ -61,7 +61,7 @@ def far_away(count):
 
 
 def test_a_frame_costs_the_same_whatever_was_scanned_before(monkeypatch):
-    monkeypatch.setattr(tsdf, "MOST_LOOKED_AT", 128)
+    monkeypatch.setattr(tsdf, "MOST_BESIDE", 128)
     orbit = [render([OBJECT], f.T_world_camera, n) for n, f in enumerate(orbit_frames(6))]
     small, large = Scan(SETTINGS, RegionSettings()), Scan(SETTINGS, RegionSettings())
     for frame in far_away(30):
@@ -73,4 +73,4 @@ def test_a_frame_costs_the_same_whatever_was_scanned_before(monkeypatch):
         assert other.observations_kept == one.observations_kept
         assert other.surface_voxels <= one.surface_voxels
         assert other.blocks_changed <= one.blocks_changed
-        assert other.blocks_looked_at <= one.blocks_looked_at + 128
+        assert other.blocks_projected <= one.blocks_projected + 128

@@ -7,8 +7,7 @@ import numpy as np
 from reflest_core.inference.transport.irradiance import incoming
 from reflest_core.inference.transport.light_patches import LightParts, diffuse_response
 from reflest_core.inference.transport.reflected_patches import reflection
-from reflest_core.light.clipped_light import PARTLY, excess_shape
-from reflest_core.light.completion import complete
+from reflest_core.light.completion import PARTLY, complete, excess_shape
 from reflest_core.light.cosine_weights import cosine_weights
 from reflest_core.light.light_map import SIZE, LightMap
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from reflest_core.brdf import srgb
-from reflest_core.fusion.observations.surface_exposure import MOST_VOXELS, surface_shifts
+from reflest_core.fusion.observations.exposure import MOST_VOXELS, surface_shifts
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.light.exposure_correction import at_one_exposure, means_at_one_exposure

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from reflest_core.surface.thinning import LOOKED_AT, thinned
+from reflest_core.surface.thinning import COMPARED, thinned
 
 
 def test_a_small_surface_is_kept_but_for_voxels_without_observations():
@@ -49,4 +49,4 @@ def test_a_tenfold_surface_costs_no_more_looking():
         counts = CountingReads(voxels)
         thinned.py_func(counts, 500)
         looked_at.append(len(counts.read))
-    assert looked_at == [500 * LOOKED_AT] * 2
+    assert looked_at == [500 * COMPARED] * 2

@@ -27,7 +27,7 @@ def test_a_camera_that_stands_still_is_fused_a_few_times_and_then_skipped():
     assert [f.is_redundant for f in fused] == [False] * 4 + [True] * 3
     assert [f.is_new_view for f in fused] == [True] + [False] * 6
     last = fused[-1]
-    assert (last.view, last.blocks_looked_at, last.voxels_seen, last.observations_kept) == (0,) * 4
+    assert (last.view, last.blocks_projected, last.voxels_seen, last.observations_kept) == (0,) * 4
     np.testing.assert_array_equal(last.foreground, fused[0].foreground)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from reflest_core.brdf.srgb import encode
-from reflest_core.fusion.observations.exposure_drift import LEAST_VIEWS, exposure_drift
+from reflest_core.fusion.observations.exposure import LEAST_VIEWS, exposure_drift
 from reflest_core.fusion.observations.views import ViewTable
 
 
