@@ -13,7 +13,11 @@ from reflest_core.whole_file import OutputError, write_whole
 
 
 def check_writable(path: Path) -> None:
-    """Raise :class:`OutputError` now rather than after a long run."""
+    """Raise :class:`OutputError` now rather than after a long run.
+
+    Args:
+        path: the file.
+    """
     folder = path.absolute().parent
     if not folder.is_dir():
         raise OutputError(f"cannot write {path}: the folder {folder} does not exist")
@@ -23,6 +27,10 @@ def check_writable(path: Path) -> None:
 
 def write_json(path: Path, record: dict[str, Any]) -> None:
     """Write a record. NaN is not JSON: write null (None) for it.
+
+    Args:
+        path: the file.
+        record: values that JSON has.
 
     Raises:
         OutputError: with the system's reason.

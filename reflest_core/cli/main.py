@@ -24,7 +24,11 @@ EXTRAS = {"torch": "training"}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run ``reflest`` and return its exit code; 2 for an error that the user can mend."""
+    """Run ``reflest`` and return its exit code; 2 for an error that the user can mend.
+
+    Args:
+        arguments: the words after ``reflest``; None takes those of the process.
+    """
     given = [_without_exponent(word) for word in (sys.argv[1:] if arguments is None else arguments)]
     try:
         options = _parser(given).parse_args(given)

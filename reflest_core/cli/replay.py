@@ -15,7 +15,11 @@ folder. Topics are found by their types; name them where several would fit."""
 
 
 def add_parser(subparsers: Any) -> None:
-    """Add the subcommand."""
+    """Add the subcommand.
+
+    Args:
+        subparsers: the subcommands of ``reflest``.
+    """
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "replay", help="estimate the BRDF in a recorded capture", epilog=EPILOG
     )
@@ -85,7 +89,11 @@ def add_parser(subparsers: Any) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Replay, print an estimate at every keyframe and the final one; write what was asked for."""
+    """Replay, print an estimate at every keyframe and the final one; write what was asked for.
+
+    Args:
+        options: all options of the command.
+    """
     from reflest_core.cli.replay_run import replay
 
     replay(options)

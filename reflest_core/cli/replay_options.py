@@ -17,7 +17,11 @@ from reflest_core.parameter import ParameterError
 
 
 def topic_choice(options: argparse.Namespace) -> TopicChoice:
-    """Return the topics that were named."""
+    """Return the topics that were named.
+
+    Args:
+        options: all options of the command.
+    """
     return TopicChoice(
         rgb=options.rgb_topic,
         depth=options.depth_topic,
@@ -30,6 +34,9 @@ def topic_choice(options: argparse.Namespace) -> TopicChoice:
 
 def replay_settings(options: argparse.Namespace) -> ReflestSettings:
     """Return the settings of ``--config`` (or the defaults) with the options laid over them.
+
+    Args:
+        options: all options of the command.
 
     Raises:
         ParameterError: naming the parameter that is wrong.

@@ -41,7 +41,11 @@ class ReplayResult:
 
 
 def estimate_line(estimate: BrdfEstimate) -> str:
-    """Return stamp, Ward values and what they rest on, in one line."""
+    """Return stamp, Ward values and what they rest on, in one line.
+
+    Args:
+        estimate: of a keyframe, or of the whole scan.
+    """
     red, green, blue = estimate.rho_d
     status = ""
     if estimate.status is not EstimateStatus.OK:
@@ -55,7 +59,11 @@ def estimate_line(estimate: BrdfEstimate) -> str:
 
 
 def final_lines(estimate: BrdfEstimate) -> list[str]:
-    """Return the final estimate in full, with deviations, units and colour spaces."""
+    """Return the final estimate in full, with deviations, units and colour spaces.
+
+    Args:
+        estimate: of a keyframe, or of the whole scan.
+    """
     gloss, gloss_stddev = (estimate.c, estimate.d), (estimate.c_stddev, estimate.d_stddev)
     return [
         f"final   {estimate_line(estimate)}",
@@ -114,7 +122,11 @@ def _with_deviation(values: Sequence[float], stddev: Sequence[float], digits: in
 
 
 def refusals_line(capture: Capture) -> str | None:
-    """Return how many frames and messages were refused and why, or None."""
+    """Return how many frames and messages were refused and why, or None.
+
+    Args:
+        capture: read to its end.
+    """
     counts = {cause.value: count for cause, count in capture.refusals.counts.items()}
     if not counts:
         return None
@@ -127,7 +139,13 @@ def replay_record(
     settings: ReflestSettings,
     result: ReplayResult,
 ) -> dict[str, Any]:
-    """Return the JSON document; the same capture and settings give the same bytes."""
+    """Return the JSON document; the same capture and settings give the same bytes.
+
+    Args:
+        capture: read to its end.
+        settings: as they were used.
+        result: what came out.
+    """
     first_message = capture.refusals.first_message
     return {
         "schema_version": SCHEMA_VERSION,

@@ -35,6 +35,9 @@ EVERY_VOXEL = 1 << 24
 def replay(options: argparse.Namespace) -> None:
     """Run ``reflest replay``.
 
+    Args:
+        options: all options of the command.
+
     Raises:
         ReflestError: a bad option, an unreadable capture, or no estimate at its end.
     """
