@@ -36,7 +36,7 @@ FIRST_ERROR = 0.3
 """Relative error by which observations are weighted before the model is known."""
 LARGEST_STEP, SMALLEST_ALBEDO = 2.5, 0.02
 """``rho_d`` changes by at most this factor in one step, but may always reach this value."""
-EVIDENCE = 0.02
+EVIDENCE = 0.01
 """Share of the observations that err each for itself; the deviations count no more than these."""
 NEGLIGIBLE = 1e-4
 """Share of the strongest response below which a patch is left to its prior."""

@@ -24,13 +24,18 @@ SHORTEST = 8
 """Pairs of voxels of the shortest border."""
 DISAGREEMENT = 4.0
 """Loss of log-likelihood, by one roughness for both, up to which two posteriors agree."""
-SAME_COLOUR = 10.0
+SAME_COLOUR = 6.0
 """Distance in Lab (with L halved) up to which two colours are one."""
 RECURRING = 4
 """Segments of two colours together, at least one of each, from which they are a texture."""
-INTERLEAVED = 16.0
-"""Pairs of voxels across a border, over the root of the smaller side's voxels, from which two
-colours are a texture: two halves of a ball have 8, a band around it has 15."""
+TOUCHING = 0.75
+"""Share of the more numerous colour's voxels whose segments touch the other colour."""
+EVEN = 0.1
+"""Share of the larger colour's voxels that the smaller has at least, for its border to count."""
+INTERLEAVED = 2.4
+"""Length of a border, over the root of the smaller side's voxels, from which two colours are a
+texture: two halves of a ball have 1, a band around it has 2. The length is in pairs of voxels over
+the mean number of a voxel's neighbours."""
 
 
 @dataclass(frozen=True)
@@ -41,11 +46,13 @@ class Borders:
         segments: (B, 2) int64, the two segments of each border, the smaller label first.
         lengths: (B,) int64, pairs of neighbouring voxels across it.
         bends: (B,) float64, mean distance of unit normals across it.
+        neighbours: mean number of neighbours of all voxels.
     """
 
     segments: NDArray[np.int64]
     lengths: NDArray[np.int64]
     bends: NDArray[np.float64]
+    neighbours: float
 
     @staticmethod
     def of(
@@ -66,7 +73,8 @@ class Borders:
             ends[crosses], axis=0, return_inverse=True, return_counts=True
         )
         sums = np.bincount(inverse.reshape(-1), bends.astype(np.float64), len(segments))
-        return Borders(segments, lengths, sums / np.maximum(lengths, 1))
+        neighbours = 2.0 * len(pairs) / max(len(labels), 1)
+        return Borders(segments, lengths, sums / np.maximum(lengths, 1), neighbours)
 
 
 def gloss_groups(
@@ -89,7 +97,7 @@ def gloss_groups(
     """
     segments = len(log_likelihood)
     lengths = {
-        (a, b): length
+        (a, b): length / borders.neighbours
         for (a, b), length in zip(borders.segments.tolist(), borders.lengths.tolist(), strict=True)
     }
     surface = np.arange(segments)
@@ -106,7 +114,7 @@ def gloss_groups(
 
 def _grouped(
     members: list[int],
-    lengths: dict[tuple[int, int], int],
+    lengths: dict[tuple[int, int], float],
     sizes: NDArray[np.int64],
     log_likelihood: NDArray[np.float64],
     lab: NDArray[np.float64],
@@ -143,13 +151,15 @@ def _agree(log_likelihood: NDArray[np.float64], first: list[int], second: list[i
 def _alternate(
     first: list[int],
     second: list[int],
-    lengths: dict[tuple[int, int], int],
+    lengths: dict[tuple[int, int], float],
     sizes: NDArray[np.int64],
 ) -> bool:
     """Whether two groups of segments are side by side again and again."""
     between = np.array([[lengths.get((min(a, b), max(a, b)), 0) for b in second] for a in first])
-    smaller = min(int(sizes[first].sum()), int(sizes[second].sum()))
-    if between.sum() >= INTERLEAVED * math.sqrt(smaller):
-        return True
-    many = between if len(first) >= len(second) else between.T
-    return len(first) + len(second) >= RECURRING and bool(many.any(axis=1).all())
+    smaller, larger = sorted((int(sizes[first].sum()), int(sizes[second].sum())))
+    is_fine = smaller >= EVEN * larger and between.sum() >= INTERLEAVED * math.sqrt(smaller)
+    many, of_many = (between, first) if len(first) >= len(second) else (between.T, second)
+    touches = many.any(axis=1)
+    touching = sizes[of_many][touches].sum() / max(int(sizes[of_many].sum()), 1)
+    recurs = touches.sum() + min(len(first), len(second)) >= RECURRING and touching >= TOUCHING
+    return bool(is_fine or recurs)
