@@ -24,6 +24,7 @@ from reflest_core.inference.gloss.network_update import with_posterior
 from reflest_core.inference.gloss.posterior import GlossPosterior, gloss_posterior
 from reflest_core.inference.light import SceneLight, infer_light, seen_light
 from reflest_core.inference.material import explain_material
+from reflest_core.inference.transport.surface_irradiance import SurfaceSight
 from reflest_core.models.linear_algebra import one_blas_thread
 from reflest_core.models.predictor import Prediction, Predictor
 from reflest_core.segmentation.segmenter import Segmenter, in_key_order
@@ -136,7 +137,7 @@ class Estimator:
             light = None
             if self.predictor.sees_light:
                 light = infer_light(turned, observed, scene.partition, joint=scene.joint)
-            return self._map((surface, turned), scene.partition, light, header)
+            return self._map((surface, turned), scene.partition, light, header, scene.sight)
 
     def _map(
         self,
@@ -144,6 +145,7 @@ class Estimator:
         partition: Partition,
         light: SceneLight | None,
         header: tuple[int, str, str],
+        sight: SurfaceSight | None = None,
     ) -> MaterialMap:
         """Estimate all materials of a surface, given as scanned and turned upright."""
         surface, turned = surfaces
@@ -152,7 +154,7 @@ class Estimator:
         stddev = rho_d.copy()
         scene = None
         if light is not None:
-            scene = SceneEstimates(turned, light, self.settings.gloss_information)
+            scene = SceneEstimates(turned, light, self.settings.gloss_information, sight)
         materials = []
         for material_id, part in partition.parts(turned):
             if int((part.observation_counts > 0).sum()) < self.settings.min_voxels:

@@ -28,6 +28,7 @@ from reflest_core.fusion.poses.check import PoseCheck, PoseReport
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.fusion.snapshot import MOST_VOXELS
+from reflest_core.segmentation.segmenter import Segmenter
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import Partition
 
@@ -50,6 +51,7 @@ class KeyframeSnapshot:
         observation_count: of the whole scan; None where the surface is all there is.
         light_problem: why light that was known before the scan was not used, or "".
         poses: how well the scan's depth maps meet; None where none were fused.
+        segmenter: divides this scan into materials; None where it is one material.
     """
 
     stamp_ns: int
@@ -61,6 +63,7 @@ class KeyframeSnapshot:
     observation_count: int | None = None
     light_problem: str = ""
     poses: PoseReport | None = None
+    segmenter: Segmenter | None = None
 
 
 @dataclass(frozen=True)
@@ -99,6 +102,7 @@ class Scanner:
         self.keyframes = KeyframePolicy(settings.keyframe)
         self.poses = PoseCheck()
         self._last_pose: NDArray[np.float64] | None = None
+        self._segmenter = Segmenter()
 
     def fuse(self, frame: Frame) -> ScannedFrame:
         """Fuse one frame.
@@ -124,6 +128,7 @@ class Scanner:
     def _begin_after_jump(self, first: Frame, frame: Frame) -> FusedFrame:
         """Forget the surface and fuse the two frames that came since the tracker jumped."""
         self.scan.reset()
+        self._segmenter = Segmenter()
         self.poses.drop_before_jump()
         with contextlib.suppress(FrameRefused):  # it was fused for what lay before the jump
             self.scan.fuse(first)
@@ -149,6 +154,7 @@ class Scanner:
             scan.observation_count,
             problem,
             self.poses.report,
+            self._segmenter if scan.region_settings.shape == "none" else None,
         )
 
     def estimate(self, snapshot: KeyframeSnapshot) -> BrdfEstimate:
@@ -176,20 +182,24 @@ class Scanner:
     def materials(self, snapshot: KeyframeSnapshot) -> MaterialMap:
         """Estimate each material of a snapshot, all in one light.
 
+        With a region of interest all is one material; without, the scan is divided into materials,
+        whose ids stay from keyframe to keyframe. So snapshots are to come in their order, from one
+        thread at a time.
+
         Args:
             snapshot: the scan at a keyframe.
 
         Raises:
             NoEstimate: Too few voxels were observed.
         """
-        surface = snapshot.surface
-        found = self.estimator.materials(
-            surface,
-            Partition.whole(surface),
-            snapshot.stamp_ns,
-            snapshot.frame_id,
-            snapshot.light_problem,
-        )
+        surface, header = snapshot.surface, (snapshot.stamp_ns, snapshot.frame_id)
+        if snapshot.segmenter is None:
+            whole = Partition.whole(surface)
+            found = self.estimator.materials(surface, whole, *header, snapshot.light_problem)
+        else:
+            found = self.estimator.segmented_materials(
+                surface, snapshot.segmenter, *header, snapshot.light_problem
+            )
         materials = (
             replace(material, estimate=_with_poses(material.estimate, snapshot.poses))
             for material in found.materials
@@ -210,6 +220,7 @@ class Scanner:
         """
         if region != self.scan.region_settings:
             self.scan.set_region(region)
+            self._segmenter = Segmenter()
             self.keyframes.reset()
             self.poses = PoseCheck()
             self._last_pose = None
@@ -217,6 +228,7 @@ class Scanner:
     def reset(self) -> None:
         """Forget everything that was scanned."""
         self.scan.reset()
+        self._segmenter = Segmenter()
         self.keyframes.reset()
         self.poses = PoseCheck()
         self._last_pose = None
@@ -264,6 +276,7 @@ class Scanner:
             scan: It belongs to this scanner from now on.
         """
         self.scan = scan
+        self._segmenter = Segmenter()
         self.poses = PoseCheck()
         self.restart_clock()
         self._last_pose = None

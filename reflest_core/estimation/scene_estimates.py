@@ -54,7 +54,11 @@ class SceneEstimates:
     """Reconciles a network's answers with the light of a scan."""
 
     def __init__(
-        self, surface: ObservedSurface, light: SceneLight, gloss_information: float
+        self,
+        surface: ObservedSurface,
+        light: SceneLight,
+        gloss_information: float,
+        sight: SurfaceSight | None = None,
     ) -> None:
         """Compute the irradiance of all voxels, and what each can say about roughness.
 
@@ -62,14 +66,11 @@ class SceneEstimates:
             surface: the scan, +z up.
             light: of that scan.
             gloss_information: log-likelihood from which roughness is identifiable.
+            sight: of the surface, where it is known already.
         """
         self._surface, self._light, self._information = surface, light, gloss_information
         self._rated = RatedSurface.of(surface, light.filled)
-        occluders = light.occluders
-        if not isinstance(occluders, SceneOccluders):
-            colours = diffuse_colours(surface, np.arange(surface.voxel_count), 0.5)
-            occluders = SceneOccluders.of(surface.positions, surface.normals, colours)
-        self._sight = SurfaceSight.of(surface.positions, surface.normals, occluders)
+        self._sight = sight or _sight(surface, light)
         self._irradiance = surface_irradiance(light.completed, self._sight)[:, :3]
 
     def of_material(
@@ -127,6 +128,14 @@ class SceneEstimates:
         scale = mean / np.maximum(_trimmed_mean(found.rho_d), LEAST_MEAN)
         rho_d = np.clip(found.rho_d * scale, 0.0, 1.0).astype(np.float32)
         return VoxelAlbedo(rho_d, (found.deviation * scale).astype(np.float32))
+
+
+def _sight(surface: ObservedSurface, light: SceneLight) -> SurfaceSight:
+    occluders = light.occluders
+    if not isinstance(occluders, SceneOccluders):
+        colours = diffuse_colours(surface, np.arange(surface.voxel_count), 0.5)
+        occluders = SceneOccluders.of(surface.positions, surface.normals, colours)
+    return SurfaceSight.of(surface.positions, surface.normals, occluders)
 
 
 def _gloss(ward: NDArray[np.float64]) -> Gloss:

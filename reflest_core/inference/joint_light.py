@@ -19,7 +19,11 @@ from reflest_core.inference.joint_system import ChannelState, ChannelSystem
 from reflest_core.inference.light_prior import BRIGHT, LightPrior
 from reflest_core.inference.transport.irradiance import incoming
 from reflest_core.inference.transport.light_patches import LightParts, diffuse_response
-from reflest_core.inference.transport.patch_grid import PATCHES, patch_image
+from reflest_core.inference.transport.patch_grid import (
+    PATCHES,
+    patch_image,
+    texels_of_patches,
+)
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.inference.transport.scene_reflection import scene_reflection
 from reflest_core.inference.transport.ward_lobe import lobe_radiance
@@ -41,6 +45,8 @@ USUAL_ROUGHNESS = 4
 """Index into :data:`.ROUGHNESSES`, for a segment with too few observations to fit gloss."""
 FEWEST = 20
 """Observations of a segment, with fewer of which its gloss is not fitted."""
+LEAST_RADIANCE = 1e-3
+"""Mean radiance of a patch, in units of the sensor's white, that a ratio is taken to at least."""
 COMPLETED_TRUST = 0.5
 """How far completed light is believed where a lobe looks into it, beside light that was seen."""
 
@@ -123,6 +129,14 @@ class JointLight:
         return np.asarray(
             np.hypot(is_unseen * fine[..., :3] * unseen, self.filled.excess * excess), np.float32
         )
+
+    def patch_deviation(self) -> NDArray[np.float32]:
+        """(P, 3) RMS of :meth:`deviation` over each patch, over the patch's mean radiance."""
+        size = len(self.light.levels[0])
+        texels = texels_of_patches(size)
+        squares = (self.deviation() ** 2).reshape(-1, 3)[texels].mean(axis=1)
+        mean = self.light.levels[0][..., :3].reshape(-1, 3)[texels].mean(axis=1)
+        return np.asarray(np.sqrt(squares) / np.maximum(mean, LEAST_RADIANCE), np.float32)
 
     @staticmethod
     def _images(
