@@ -40,6 +40,11 @@ class MessageSource(Protocol):
         ...
 
     @property
+    def depth_encoding(self) -> str | None:
+        """How the format stores 16-bit depth, where it fixes that, else None."""
+        ...
+
+    @property
     def damage(self) -> str | None:
         """A sentence on what could not be read, as far as is known by now; else None."""
         ...
@@ -79,6 +84,10 @@ class Capture:
             on_warning: Called with sentences on what is used though it may not be meant.
         """
         usual = source.depth_scale
+        encoding = settings.depth_encoding
+        if encoding == "auto":
+            encoding = source.depth_encoding or "plain"
+        settings = replace(settings, depth_encoding=encoding)
         settings = replace(settings, depth_scale=settings.depth_unit(usual))
         if usual is not None and not math.isclose(settings.depth_scale, usual, rel_tol=1e-3):
             on_warning(

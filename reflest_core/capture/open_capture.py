@@ -9,18 +9,14 @@ from pathlib import Path
 
 from reflest_core.capture.assembler import RefusalListener
 from reflest_core.capture.capture import Capture, MessageSource
+from reflest_core.capture.folders.files import Pinhole
+from reflest_core.capture.folders.kinds import KINDS, FolderKind
 from reflest_core.capture.formats.bag import READERS_BY_SUFFIX, Bag
-from reflest_core.capture.formats.folder_intrinsics import Pinhole
-from reflest_core.capture.formats.seven_scenes import COLOUR_NAME, SevenScenesFolder
 from reflest_core.capture.formats.topics import TopicChoice
-from reflest_core.capture.formats.tum import LISTS, TumFolder
 from reflest_core.capture.refusal import CaptureError
 from reflest_core.capture.settings import CaptureSettings
 
-KINDS = (
-    "an .mcap or .db3 file, a rosbag2 directory, a 7-Scenes folder (frame-*.color.*) or a TUM "
-    "folder (rgb.txt, depth.txt, groundtruth.txt)"
-)
+FOLDERS = ", ".join(kind.name for kind in KINDS)
 
 
 def open_capture(
@@ -32,14 +28,23 @@ def open_capture(
     on_clock_jump: Callable[[str], None] = lambda _: None,
     on_warning: Callable[[str], None] = lambda _: None,
 ) -> Capture:
-    """Return the capture at ``path``.
+    """Open a capture of any kind.
 
-    ``topics`` names topics of a bag; ``pinhole`` (fx, fy, cx, cy in pixels) calibrates a folder.
-    ``on_clock_jump`` is called between two frames where stamps start again.
+    Args:
+        path: A bag file, a bag's directory or a folder of frames.
+        topics: Topics of a bag that the user named.
+        settings: Matching, units and calibration.
+        pinhole: fx, fy, cx, cy in pixels, to calibrate a folder of frames.
+        on_refusal: Called with each refusal and whether it is the first of its cause.
+        on_clock_jump: Called between two frames where stamps start again.
+        on_warning: Called with sentences on what is used though it may not be meant.
+
+    Returns:
+        The capture; iterating over it reads it.
 
     Raises:
-        CaptureError: if it does not exist, is of no known kind or cannot be read, or if an
-            argument does not apply to its kind.
+        CaptureError: It does not exist, is of no known kind or cannot be read, or an argument does
+            not apply to its kind.
     """
     path = Path(path)
     try:
@@ -65,14 +70,17 @@ def _open_source(
         raise CaptureError(f"{path} is a folder of frames and has no tf: leave out --world-frame")
     if topics != TopicChoice():
         raise CaptureError(f"{path} is a folder of frames and has no topics to choose")
-    return folder(path, pinhole)
+    return folder.open(path, pinhole)
 
 
-def _folder_kind(path: Path, names: list[str]) -> type[SevenScenesFolder] | type[TumFolder]:
-    if path.is_dir() and set(LISTS.values()) & set(names):
-        return TumFolder
-    if path.is_dir() and any(COLOUR_NAME.match(name) for name in names):
-        return SevenScenesFolder
+def _folder_kind(path: Path, names: list[str]) -> FolderKind:
+    if path.is_dir():
+        for kind in KINDS:
+            if kind.is_it(set(names)):
+                return kind
     if path.suffix == ".bag":
         raise CaptureError(f"{path} is a ROS 1 bag: convert it with rosbags-convert")
-    raise CaptureError(f"{path} is not a capture: expected {KINDS}")
+    raise CaptureError(
+        f"{path} is not a capture: expected an .mcap or .db3 file, a rosbag2 directory, or a "
+        f"folder of one of these formats: {FOLDERS}"
+    )

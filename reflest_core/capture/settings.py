@@ -72,10 +72,10 @@ class CaptureSettings:
         choices=("z", "ray"),
     )
     depth_encoding: str = parameter(
-        "plain",
-        "How 16-bit depth is stored: plain, or rotated, its three lowest bits moved to the top "
-        "(d >> 3 | d << 13), as in SUN RGB-D and the APC data sets.",
-        choices=("plain", "rotated"),
+        "auto",
+        "How 16-bit depth is stored: plain, or rotated, read as d >> 3 | d << 13, as in SUN RGB-D "
+        "and the APC data sets; auto: as the format says, else plain.",
+        choices=("auto", "plain", "rotated"),
     )
     rectified: bool = parameter(
         False, "The images are rectified already: use camera_info's P and ignore its distortion."
@@ -141,9 +141,9 @@ class CaptureSettings:
         """
         if self.depth_scale > 0.0:
             return self.depth_scale
-        if self.depth_encoding == "rotated":
-            return ROTATED_SCALE
-        return USUAL_SCALE if of_format is None else of_format
+        if of_format is not None:
+            return of_format
+        return ROTATED_SCALE if self.depth_encoding == "rotated" else USUAL_SCALE
 
     @property
     def is_pose_to_camera_set(self) -> bool:

@@ -32,6 +32,7 @@ class Bag:
     """Messages of a recording, in log order. ``name`` is the path as given."""
 
     depth_scale: float | None = None
+    depth_encoding: str | None = None
 
     def __init__(self, path: Path, choice: TopicChoice, pose_source: str) -> None:
         """Open the files and settle which topic plays which role.

@@ -1,0 +1,90 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Replica as rendered for iMAP and NICE-SLAM: results/frame000000.jpg, depth000000.png, traj.txt.
+
+``traj.txt`` has a camera-to-world matrix a line, 16 numbers, row by row. ``cam_params.json``, in
+the folder or above it, has the calibration and how many units of depth a metre has (6553.5).
+"""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from reflest_core.capture.folders.files import (
+    FRAME_RATE,
+    Pinhole,
+    by_number,
+    camera_info,
+    colour_message,
+    depth_message,
+    folder_pinhole,
+    image_size,
+    read_text,
+)
+from reflest_core.capture.folders.frame_folder import FolderFrame, FrameFolder
+from reflest_core.capture.refusal import CaptureError
+
+TRAJECTORY, IMAGES, CAMERA = "traj.txt", "results", "cam_params.json"
+UNITS_A_METRE = 6553.5
+
+
+def open_replica(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
+    """Return the frames of one scene.
+
+    Args:
+        folder: The folder with traj.txt and results.
+        pinhole: fx, fy, cx, cy in pixels; None reads cam_params.json or camera-intrinsics.txt.
+
+    Raises:
+        CaptureError: A line of traj.txt is no matrix, or there is no frame or no calibration.
+    """
+    colours = by_number(folder / IMAGES, r"frame(\d+)\.(?:jpe?g|png)")
+    depths = by_number(folder / IMAGES, r"depth(\d+)\.png")
+    if not colours:
+        raise CaptureError(f"{folder} holds no {IMAGES}/frame*.jpg")
+    poses = []
+    for number, line in enumerate(read_text(folder / TRAJECTORY).splitlines(), start=1):
+        try:
+            poses.append(np.array([float(word) for word in line.split()]).reshape(4, 4))
+        except ValueError as error:
+            raise CaptureError(
+                f"{folder / TRAJECTORY}, line {number}: expected 16 numbers"
+            ) from error
+    camera = _camera(folder)
+    if pinhole is None and camera:
+        pinhole = camera["fx"], camera["fy"], camera["cx"], camera["cy"]
+    if pinhole is None:
+        pinhole = folder_pinhole(folder)
+    frames = []
+    for index, colour in colours.items():
+        stamp_ns = index * 10**9 // FRAME_RATE
+        depth = depths.get(index)
+        frames.append(
+            FolderFrame(
+                stamp_ns,
+                partial(colour_message, colour, stamp_ns),
+                None if depth is None else partial(depth_message, depth, stamp_ns),
+                poses[index] if index < len(poses) else None,
+            )
+        )
+    size = image_size(next(iter(colours.values())))
+    scale = 1.0 / float(camera.get("scale", UNITS_A_METRE))
+    return FrameFolder(folder, frames, camera_info(pinhole, size), scale)
+
+
+def _camera(folder: Path) -> dict[str, float]:
+    for path in (folder / CAMERA, folder.absolute().parent / CAMERA):
+        if not path.is_file():
+            continue
+        try:
+            content: dict[str, Any] = json.loads(read_text(path))["camera"]
+            camera = {name: float(content[name]) for name in ("fx", "fy", "cx", "cy")}
+            return camera | {"scale": float(content.get("scale", UNITS_A_METRE)) or UNITS_A_METRE}
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise CaptureError(f"{path} does not hold fx, fy, cx, cy under camera") from error
+    return {}
