@@ -222,14 +222,14 @@ def test_all_invalid_depth_ends_with_the_reason(replay, tmp_path):
 def test_an_unknown_encoding_ends_with_one_clear_message(replay, tmp_path):
     messages = recording(2)
     for index in range(2):
-        messages = changed(messages, Role.RGB, index, encoding="yuv422_yuy2")
+        messages = changed(messages, Role.RGB, index, encoding="bayer_rggb16")
     write_bag(tmp_path / "bag", messages)
     code, _, err, _ = replay(tmp_path / "bag")
     error = one_error(code, err)
-    assert "/camera/color/image_raw (Image, yuv422_yuy2)" in error
+    assert "/camera/color/image_raw (Image, bayer_rggb16)" in error
     assert "rgb8" in error
     code, _, err, _ = replay(tmp_path / "bag", "--rgb-topic", "/camera/color/image_raw")
-    assert "has encoding 'yuv422_yuy2'" in one_error(code, err)
+    assert "has encoding 'bayer_rggb16'" in one_error(code, err)
 
 
 def test_a_missing_topic_ends_with_what_there_is(replay, tmp_path):
