@@ -1,0 +1,87 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Where a scene's materials come from; every scene names its source."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from reflest_core.brdf.parameters import WardParameters
+from reflest_core.errors import ReflestError
+from reflest_core.synbrdf.scenes.materials import draw_material
+from reflest_core.synbrdf.scenes.measured_materials import draw_measured, read_fits
+
+
+class MaterialSource(enum.Enum):
+    """A distribution of materials."""
+
+    OPENSURFACES = "opensurfaces"
+    """The paper's: :func:`.materials.draw_material`."""
+    MEASURED = "measured"
+    """That of measured materials: :mod:`.measured_materials`."""
+
+
+class MaterialsRefused(ReflestError):
+    """Materials were asked for that do not exist."""
+
+
+@dataclass(frozen=True)
+class NamedMaterial:
+    """A material and where it comes from.
+
+    Attributes:
+        ward: Ward parameters, linear sRGB.
+        source: The distribution.
+        name: ``opensurfaces``, a family of measured materials, or the name of a fit.
+    """
+
+    ward: WardParameters
+    source: MaterialSource
+    name: str
+
+
+@dataclass(frozen=True)
+class Materials:
+    """What to draw materials from.
+
+    Attributes:
+        source: The distribution.
+        fits: A table of Ward fits to draw from instead of the families; ``measured`` only.
+    """
+
+    source: MaterialSource = MaterialSource.OPENSURFACES
+    fits: Path | None = None
+
+    def __post_init__(self) -> None:
+        if self.fits is not None and self.source is not MaterialSource.MEASURED:
+            raise MaterialsRefused("--material-fits needs --materials measured")
+
+    def draw(self, rng: np.random.Generator) -> NamedMaterial:
+        """Draw a material; equal generator states give equal ones.
+
+        Raises:
+            MaterialFitsUnreadable: If ``fits`` cannot be read.
+        """
+        if self.source is MaterialSource.OPENSURFACES:
+            return NamedMaterial(draw_material(rng), self.source, self.source.value)
+        if self.fits is None:
+            ward, name = draw_measured(rng)
+        else:
+            fits = _fits(self.fits)
+            name = list(fits)[int(rng.integers(len(fits)))]
+            ward = fits[name]
+        return NamedMaterial(ward, self.source, name)
+
+
+OPENSURFACES = Materials()
+"""The paper's materials."""
+
+
+@lru_cache(maxsize=8)
+def _fits(path: Path) -> dict[str, WardParameters]:
+    return read_fits(path)
