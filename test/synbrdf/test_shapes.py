@@ -70,7 +70,10 @@ def test_moved_centres_and_scales():
 
 
 def test_surface_points_lie_on_the_surface_evenly():
-    positions, normals = draw_surface_points(icosphere(4), 20_000, np.random.default_rng(1))
+    mesh = icosphere(4)
+    positions, normals, faces = draw_surface_points(mesh, 20_000, np.random.default_rng(1))
+    corners = mesh.vertices[mesh.faces[faces]]
+    assert np.linalg.norm(positions - corners.mean(axis=1), axis=1).max() < np.ptp(corners, 1).max()
     np.testing.assert_allclose(np.linalg.norm(positions, axis=1), 1.0, atol=2e-3)
     np.testing.assert_allclose(normals, positions, atol=2e-3)
     # Archimedes: on a sphere every coordinate is uniform in [-1, 1].
@@ -102,3 +105,13 @@ def test_unusable_meshes_are_refused_by_name(tmp_path):
     (tmp_path / "odd.npz").write_bytes(b"nonsense")
     with pytest.raises(MeshUnreadable, match=r"odd\.npz"):
         find_meshes(tmp_path)
+
+
+def test_subdividing_keeps_the_surface_and_shortens_every_edge():
+    coarse = icosphere(1)
+    fine = coarse.subdivided(0.1)
+    edges = np.linalg.norm(np.diff(fine.vertices[fine.faces], axis=1, append=0), axis=2)[:, :2]
+    assert edges.max() <= 0.1
+    assert fine.face_areas.sum() == pytest.approx(coarse.face_areas.sum())
+    np.testing.assert_allclose(np.linalg.norm(fine.normals, axis=1), 1.0)
+    assert len(coarse.subdivided(10.0).faces) == len(coarse.faces)

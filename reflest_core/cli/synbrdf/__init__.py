@@ -8,7 +8,17 @@ import argparse
 import importlib
 from typing import Any
 
-PRODUCTS = ("generate", "relight", "images", "xml", "render", "sequence", "measure", "card")
+PRODUCTS = (
+    "generate",
+    "relight",
+    "images",
+    "xml",
+    "render",
+    "sequence",
+    "tabletop",
+    "measure",
+    "card",
+)
 
 
 def add_parser(subparsers: Any) -> None:

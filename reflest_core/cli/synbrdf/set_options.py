@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from reflest_core.synbrdf.generation.data_set import Generation
     from reflest_core.synbrdf.realism.settings import Realism
+    from reflest_core.synbrdf.scenes.material_sources import Materials
 
 
 def add_set_options(parser: argparse.ArgumentParser) -> None:
@@ -43,6 +44,30 @@ def add_set_options(parser: argparse.ArgumentParser) -> None:
         help="what the camera exposes for; frame lets objects in dark rooms clip",
     )
     add_realism_option(parser)
+
+
+def add_material_options(parser: argparse.ArgumentParser) -> None:
+    """Add ``--materials`` and ``--material-fits``."""
+    parser.add_argument(
+        "--materials",
+        choices=("opensurfaces", "measured"),
+        default="opensurfaces",
+        help="what materials are drawn from: OpenSurfaces' space, as in the paper, or a "
+        "distribution that follows measured materials (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--material-fits",
+        type=Path,
+        metavar="CSV",
+        help="Ward fits to draw from instead; needs --materials measured",
+    )
+
+
+def materials_of(arguments: argparse.Namespace) -> Materials:
+    """What ``--materials`` and ``--material-fits`` name."""
+    from reflest_core.synbrdf.scenes.material_sources import Materials, MaterialSource
+
+    return Materials(MaterialSource(arguments.materials), _absolute(arguments.material_fits))
 
 
 def add_realism_option(parser: argparse.ArgumentParser) -> None:

@@ -22,7 +22,7 @@ from reflest_core.synbrdf.path_tracing.ward_bsdf import ward_bsdf
 from reflest_core.synbrdf.realism.depth_sensor import DepthSensor
 from reflest_core.synbrdf.realism.pose_jitter import jittered
 from reflest_core.synbrdf.realism.settings import Effect, Realism
-from reflest_core.synbrdf.sequences.depth_camera import depth_camera
+from reflest_core.synbrdf.sequences.filming import depth_camera
 from reflest_core.synbrdf.sequences.sequence_scene import SequenceRequest, draw_sequence_scene
 
 SIGHT = 0.02

@@ -18,6 +18,7 @@ from scipy.ndimage import binary_dilation
 from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.light.equirectangular import radiance_from
 from reflest_core.synbrdf.path_tracing.mitsuba_scene import (
+    PATH_DEPTH,
     RadianceTracer,
     first_hits,
     first_normals,
@@ -50,10 +51,16 @@ class FullImage:
 class FullImageRenderer:
     """Renders images of one camera, one pose after another, with one set of kernels."""
 
-    def __init__(self, camera: CameraIntrinsics, samples: int) -> None:
-        """``samples`` paths a pixel, a multiple of ``SUBPIXELS`` squared."""
+    def __init__(self, camera: CameraIntrinsics, samples: int, depth: int = PATH_DEPTH) -> None:
+        """Prepare kernels.
+
+        Args:
+            camera: Pinhole intrinsics.
+            samples: Paths a pixel, a multiple of ``SUBPIXELS`` squared.
+            depth: Mitsuba's ``max_depth``.
+        """
         self.camera = camera
-        self.tracer = RadianceTracer(samples // SUBPIXELS**2, lanes=1 << 20)
+        self.tracer = RadianceTracer(samples // SUBPIXELS**2, lanes=1 << 20, depth=depth)
 
     def render(
         self,

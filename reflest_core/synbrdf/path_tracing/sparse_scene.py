@@ -77,7 +77,7 @@ class SparseRenderer:
         """Trace every visible pair of point and view; the same seed gives the same scene."""
         rng, trace_seed = _tracing(scene, seed)
         overview = self._overview(scene, trace_seed)
-        positions, normals = draw_surface_points(scene.mesh, self.settings.points, rng)
+        positions, normals, _ = draw_surface_points(scene.mesh, self.settings.points, rng)
         centres = scene.poses[:, :3, 3].astype(np.float32)
         point_of, view_of = visible_pairs(overview.rendered, positions, normals, centres)
         directions = _unit(positions[point_of] - centres[view_of])

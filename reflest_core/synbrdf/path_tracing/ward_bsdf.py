@@ -9,6 +9,9 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from reflest_core.brdf.parameters import WardParameters, WardVariant
 from reflest_core.synbrdf.path_tracing.mitsuba_runtime import load_mitsuba
 
@@ -48,29 +51,33 @@ class WardBSDF(mi.BSDF):  # type: ignore[misc]
         self._set(list(material.rho_d), material.rho_s, material.alpha)
 
     def _set(self, rho_d: list[float], rho_s: float, alpha: float) -> None:
-        luminance = 0.2126 * rho_d[0] + 0.7152 * rho_d[1] + 0.0722 * rho_d[2]
-        share = rho_s / max(rho_s + luminance, 1e-6)
         self.rho_d = mi.Color3f(*rho_d)
         self.rho_s = mi.Float(rho_s)
         self.alpha = mi.Float(alpha)
-        self.specular_share = mi.Float(min(max(share, 0.1), 0.9) if rho_s > 0.0 else 0.0)
+        share = specular_share(np.array([rho_d]), np.array([rho_s]))
+        self.specular_share = mi.Float(float(share[0]))
         # Values known to the compiler would be baked in, and each material would compile anew.
         dr.make_opaque(self.rho_d, self.rho_s, self.alpha, self.specular_share)
 
-    def _specular(self, wi: Any, wo: Any) -> tuple[Any, Any]:
+    def _material(self, si: Any) -> Any:
+        """What has ``rho_d``, ``rho_s``, ``alpha`` and ``specular_share`` of a place."""
+        return self
+
+    def _specular(self, material: Any, wi: Any, wo: Any) -> tuple[Any, Any]:
         """Return the specular BRDF and the density of ``wo`` under half-vector sampling."""
         half = dr.normalize(wi + wo)
         cos_h = half.z
         cos_d = dr.dot(wo, half)
         # Not 1 / cos^2 - 1: that cancels at the smallest alphas.
         tan2_h = (dr.square(half.x) + dr.square(half.y)) / dr.square(cos_h)
-        lobe = dr.exp(-tan2_h / dr.square(self.alpha)) / (dr.pi * dr.square(self.alpha))
+        square = dr.square(material.alpha)
+        lobe = dr.exp(-tan2_h / square) / (dr.pi * square)
         if self.variant is WardVariant.WARD_1992:
             norm = 4.0 * dr.sqrt(dr.maximum(wi.z * wo.z, 1e-12))
         else:
             norm = 4.0 * dr.square(cos_d) * dr.square(dr.square(cos_h))
         density = lobe / (4.0 * cos_h * cos_h * cos_h * cos_d)
-        return self.rho_s * lobe / norm, density
+        return material.rho_s * lobe / norm, density
 
     def sample(
         self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
@@ -78,14 +85,15 @@ class WardBSDF(mi.BSDF):  # type: ignore[misc]
         """Draw an incident direction; return the sample and BRDF * cosine / density."""
         side = dr.select(si.wi.z < 0.0, -1.0, 1.0)
         wi = mi.Vector3f(si.wi.x, si.wi.y, si.wi.z * side)
-        specular = sample1 < self.specular_share
-        tan_h = self.alpha * dr.sqrt(-dr.log(dr.maximum(1.0 - sample2.x, 1e-12)))
+        material = self._material(si)
+        specular = sample1 < material.specular_share
+        tan_h = material.alpha * dr.sqrt(-dr.log(dr.maximum(1.0 - sample2.x, 1e-12)))
         cos_h = dr.rsqrt(1.0 + dr.square(tan_h))
         sin_phi, cos_phi = dr.sincos(2.0 * dr.pi * sample2.y)
         half = mi.Vector3f(tan_h * cos_h * cos_phi, tan_h * cos_h * sin_phi, cos_h)
         mirrored = 2.0 * dr.dot(wi, half) * half - wi
         wo = dr.select(specular, mirrored, mi.warp.square_to_cosine_hemisphere(sample2))
-        value, density = self._evaluate(wi, wo)
+        value, density = self._evaluate(material, wi, wo)
         valid = mi.Mask(active) & (wi.z > 0.0) & (wo.z > 0.0) & (density > 0.0)
 
         result = dr.zeros(mi.BSDFSample3f)
@@ -100,11 +108,11 @@ class WardBSDF(mi.BSDF):  # type: ignore[misc]
         result.sampled_component = dr.select(specular, mi.UInt32(1), mi.UInt32(0))
         return result, dr.select(valid, value / density, mi.Color3f(0.0)) & valid
 
-    def _evaluate(self, wi: Any, wo: Any) -> tuple[Any, Any]:
+    def _evaluate(self, material: Any, wi: Any, wo: Any) -> tuple[Any, Any]:
         """Return BRDF * cosine and the mixed density for directions on the upper side."""
-        specular, half_density = self._specular(wi, wo)
-        value = (self.rho_d * dr.inv_pi + specular) * wo.z
-        share = self.specular_share
+        specular, half_density = self._specular(material, wi, wo)
+        value = (material.rho_d * dr.inv_pi + specular) * wo.z
+        share = material.specular_share
         return value, share * half_density + (1.0 - share) * wo.z * dr.inv_pi
 
     def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
@@ -113,7 +121,7 @@ class WardBSDF(mi.BSDF):  # type: ignore[misc]
         wi = mi.Vector3f(si.wi.x, si.wi.y, si.wi.z * side)
         towards = mi.Vector3f(wo.x, wo.y, wo.z * side)
         valid = mi.Mask(active) & (wi.z > 0.0) & (towards.z > 0.0)
-        value, density = self._evaluate(wi, towards)
+        value, density = self._evaluate(self._material(si), wi, towards)
         return dr.select(valid, value, mi.Color3f(0.0)), dr.select(valid, density, 0.0)
 
     def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
@@ -133,6 +141,13 @@ class WardBSDF(mi.BSDF):  # type: ignore[misc]
     def to_string(self) -> str:
         """Describe the plugin."""
         return f"WardBSDF[{self.variant.value}]"
+
+
+def specular_share(rho_d: NDArray[np.float64], rho_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Share (N,) of samples that go to the lobe of materials ``rho_d`` (N, 3), ``rho_s`` (N,)."""
+    luminance = 0.2126 * rho_d[:, 0] + 0.7152 * rho_d[:, 1] + 0.0722 * rho_d[:, 2]
+    share = rho_s / np.maximum(rho_s + luminance, 1e-6)
+    return np.asarray(np.where(rho_s > 0.0, np.clip(share, 0.1, 0.9), 0.0))
 
 
 mi.register_bsdf(PLUGIN, WardBSDF)

@@ -37,17 +37,24 @@ def draw_room(
     mesh: TriangleMesh,
     poses: FloatArray,
     outside: NDArray[np.float32],
+    has_table: bool = True,
 ) -> Room:
-    """Return a room about ``mesh``, with every camera of ``poses`` (W, 4, 4) in it.
+    """Draw a room about an object, with every camera in it; world frame.
 
-    ``outside``: (H, 2 H, 3) lat-long map, what windows show. World frame.
+    Args:
+        rng: Source of the draw.
+        mesh: The object.
+        poses: ``T_world_camera`` (W, 4, 4).
+        outside: Lat-long map (H, 2 H, 3), what windows show.
+        has_table: Whether there may be a table under the object.
     """
     angle = rng.uniform(0.0, 2.0 * np.pi)
     cosine, sine = np.cos(angle), np.sin(angle)
     rotation = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
     stage = Stage(poses[:, :3, 3] @ rotation, 0.5 * mesh.diameter, float(mesh.vertices[:, 2].min()))
     box = draw_walls(rng, stage)
-    surfaces = painted(rng, box) + draw_table(rng, box, stage) + draw_furniture(rng, box, stage)
+    walls, table = painted(rng, box), draw_table(rng, box, stage)
+    surfaces = walls + (table if has_table else []) + draw_furniture(rng, box, stage)
     panes = draw_window_panels(rng, box) if rng.uniform() < WINDOW_SHARE else []
     globes = draw_globes(rng, box, stage) if rng.uniform() < GLOBE_SHARE else []
     lamps = draw_softbox(rng, box, stage) if rng.uniform() < SOFTBOX_SHARE else []

@@ -12,11 +12,21 @@ from reflest_core.synbrdf.shapes.mesh import TriangleMesh
 
 def draw_surface_points(
     mesh: TriangleMesh, count: int, rng: np.random.Generator
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Positions and shading normals (count, 3), uniform over the area."""
+) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.int64]]:
+    """Draw points uniformly over the area.
+
+    Args:
+        mesh: Triangles, metres.
+        count: Points.
+        rng: Source of the draw.
+
+    Returns:
+        Positions and shading normals (count, 3), and the index (count,) of each point's face.
+    """
     share = np.cumsum(mesh.face_areas)
     faces = np.searchsorted(share, rng.uniform(0, share[-1], count), side="right")
-    corners = mesh.faces[np.minimum(faces, len(mesh.faces) - 1)]
+    faces = np.minimum(faces, len(mesh.faces) - 1)
+    corners = mesh.faces[faces]
     first, second = rng.uniform(size=(2, count))
     folded = first + second > 1
     first, second = np.where(folded, 1 - first, first), np.where(folded, 1 - second, second)
@@ -24,4 +34,4 @@ def draw_surface_points(
     positions = np.einsum("pc,pck->pk", weights, mesh.vertices[corners])
     normals = np.einsum("pc,pck->pk", weights, mesh.normals[corners])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    return positions.astype(np.float32), normals.astype(np.float32)
+    return positions.astype(np.float32), normals.astype(np.float32), faces

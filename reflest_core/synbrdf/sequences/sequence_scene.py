@@ -20,7 +20,7 @@ from reflest_core.synbrdf.lights.environments import (
     rotated,
 )
 from reflest_core.synbrdf.realism.settings import Realism
-from reflest_core.synbrdf.scenes.materials import draw_material
+from reflest_core.synbrdf.scenes.material_sources import OPENSURFACES, Materials
 from reflest_core.synbrdf.scenes.scene import Light
 from reflest_core.synbrdf.sequences.trajectory import hand_held_orbit
 from reflest_core.synbrdf.shapes.mesh import TriangleMesh
@@ -31,6 +31,8 @@ ENVIRONMENT_HEIGHT = 256
 """Rows of the environment map: it is seen in the background, so finer than in sparse scenes."""
 DIAMETERS = (0.22, 0.36)
 """Metres."""
+GIVEN = "given"
+"""Source and name of a material that the user chose."""
 _STREAM = 0x5E0
 """Keeps a sequence's random numbers apart from a sparse scene's of the same seed."""
 
@@ -53,31 +55,45 @@ class SequenceRequest:
     samples: int = 64
     rate: float = 10.0
     material: WardParameters | None = None
+    materials: Materials = OPENSURFACES
     shape: str | None = None
     environments: Path | None = None
     meshes: Path | None = None
     realism: Realism | None = None
 
     def __post_init__(self) -> None:
-        bounds = {
-            "seed": (self.seed, 0, 2**63),
-            "frames": (self.frames, 2, 10_000),
-            "width": (self.width, 16, 4096),
-            "height": (self.height, 16, 4096),
-            "samples": (self.samples, 4, 4096),
-            "rate": (self.rate, 0.1, 1000.0),
-        }
-        for name, (value, low, high) in bounds.items():
-            if not low <= value <= high:
-                raise SequenceRefused(f"--{name} is {value}, but must be {low} to {high}")
-        if self.samples % 4:
-            raise SequenceRefused(f"--samples is {self.samples}, but must be a multiple of 4")
+        check_film(self.seed, self.frames, self.width, self.height, self.samples, self.rate)
         if self.shape is not None and self.shape not in KINDS:
             raise SequenceRefused(f"--shape is {self.shape}, but must be one of {', '.join(KINDS)}")
         if self.shape is not None and self.meshes is not None:
             raise SequenceRefused("--shape and --meshes exclude each other: give only one")
         if self.material is not None:
             _check_material(self.material)
+            if self.materials != OPENSURFACES:
+                raise SequenceRefused(
+                    "--material and --materials exclude each other: give only one"
+                )
+
+
+def check_film(seed: int, frames: int, width: int, height: int, samples: int, rate: float) -> None:
+    """Refuse numbers that no sequence can have.
+
+    Raises:
+        SequenceRefused: If one is outside its range.
+    """
+    bounds = {
+        "seed": (seed, 0, 2**63),
+        "frames": (frames, 2, 10_000),
+        "width": (width, 16, 4096),
+        "height": (height, 16, 4096),
+        "samples": (samples, 4, 4096),
+        "rate": (rate, 0.1, 1000.0),
+    }
+    for name, (value, low, high) in bounds.items():
+        if not low <= value <= high:
+            raise SequenceRefused(f"--{name} is {value}, but must be {low} to {high}")
+    if samples % 4:
+        raise SequenceRefused(f"--samples is {samples}, but must be a multiple of 4")
 
 
 @dataclass(frozen=True)
@@ -85,6 +101,8 @@ class SequenceScene:
     """One object of one material under one light, and a camera's way round it."""
 
     material: WardParameters
+    material_source: str
+    material_name: str
     shape: str
     mesh: TriangleMesh
     light: Light
@@ -96,13 +114,25 @@ def draw_sequence_scene(request: SequenceRequest) -> SequenceScene:
     streams = np.random.SeedSequence([_STREAM, request.seed]).spawn(4)
     of_material, of_shape, of_light, of_views = map(np.random.default_rng, streams)
     mesh, name = _draw_shape(of_shape, request)
+    material, source, material_name = _choose_material(of_material, request)
     return SequenceScene(
-        material=request.material or draw_material(of_material),
+        material=material,
+        material_source=source,
+        material_name=material_name,
         shape=name,
         mesh=mesh,
         light=_draw_light(of_light, request.environments),
         poses=hand_held_orbit(of_views, request.frames, mesh.diameter),
     )
+
+
+def _choose_material(
+    rng: np.random.Generator, request: SequenceRequest
+) -> tuple[WardParameters, str, str]:
+    if request.material is not None:
+        return request.material, GIVEN, GIVEN
+    drawn = request.materials.draw(rng)
+    return drawn.ward, drawn.source.value, drawn.name
 
 
 def _draw_shape(rng: np.random.Generator, request: SequenceRequest) -> tuple[TriangleMesh, str]:

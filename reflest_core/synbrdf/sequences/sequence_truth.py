@@ -28,6 +28,8 @@ def write_truth(
         "lab": labcd.lab,
         "c": labcd.c,
         "d": labcd.d,
+        "material_source": scene.material_source,
+        "material_name": scene.material_name,
         "shape": scene.shape,
         "diameter": scene.mesh.diameter,
         "environment": scene.light.name,

@@ -42,6 +42,31 @@ class TriangleMesh:
         scale = diameter / (2.0 * np.linalg.norm(vertices, axis=1).max())
         return TriangleMesh(vertices * scale, self.normals @ rotation.T, self.faces)
 
+    def shifted(self, offset: FloatArray) -> TriangleMesh:
+        """The same at another place; ``offset`` (3,) in metres."""
+        return TriangleMesh(self.vertices + offset, self.normals, self.faces)
+
+    def subdivided(self, longest: float) -> TriangleMesh:
+        """Split every face with an edge longer than ``longest`` metres into four, until none is."""
+        vertices, normals, faces = self.vertices, self.normals, self.faces
+        while True:
+            corners = vertices[faces]
+            edges = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).max(axis=1)
+            is_long = edges > longest
+            if not is_long.any():
+                return TriangleMesh(vertices, normals, faces)
+            a, b, c = faces[is_long].T
+            first, count = len(vertices), int(is_long.sum())
+            ab, bc, ca = (first + k * count + np.arange(count) for k in range(3))
+            pairs = np.concatenate([[a, b], [b, c], [c, a]], axis=1)
+            middles = normals[pairs[0]] + normals[pairs[1]]
+            middles /= np.maximum(np.linalg.norm(middles, axis=1, keepdims=True), 1e-12)
+            vertices = np.concatenate([vertices, vertices[pairs].mean(axis=0)])
+            normals = np.concatenate([normals, middles])
+            quarters = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+            split = [np.stack(quarter, axis=1) for quarter in quarters]
+            faces = np.concatenate([faces[~is_long], *split])
+
 
 def with_crease_normals(
     vertices: FloatArray, faces: IntArray, crease_angle: float = 40.0

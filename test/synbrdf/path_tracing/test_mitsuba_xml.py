@@ -21,7 +21,7 @@ from reflest_core.synbrdf.path_tracing.mitsuba_scene import (
 from reflest_core.synbrdf.path_tracing.sparse_scene import camera_rays
 from reflest_core.synbrdf.path_tracing.ward_bsdf import ward_bsdf
 from reflest_core.synbrdf.scenes.splits import Split
-from reflest_core.synbrdf.sequences.depth_camera import depth_camera
+from reflest_core.synbrdf.sequences.filming import depth_camera
 
 GENERATION = Generation(3, {"train": 10, "validation": 4, "unseen": 4}, views=8)
 CAMERA = depth_camera(96, 72)

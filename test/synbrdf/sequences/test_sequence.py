@@ -20,6 +20,8 @@ from reflest_core.light.equirectangular import radiance_from
 from reflest_core.synbrdf.generation.whole_folder import FolderUnwritable
 from reflest_core.synbrdf.lights.environments import find_environments, load_environment, rotated
 from reflest_core.synbrdf.scenes.exposure import expose
+from reflest_core.synbrdf.scenes.material_sources import Materials, MaterialSource
+from reflest_core.synbrdf.scenes.measured_materials import FAMILIES
 from reflest_core.synbrdf.sequences.sequence_scene import (
     ENVIRONMENT_HEIGHT,
     SequenceRefused,
@@ -226,6 +228,16 @@ def test_choosing_a_material_leaves_the_rest_of_the_scene():
     assert not np.array_equal(other.poses, drawn.poses)
 
 
+def test_measured_materials_are_named_in_the_truth(sources, tmp_path):
+    request = SequenceRequest(seed=5, frames=2, materials=Materials(MaterialSource.MEASURED))
+    scene = draw_sequence_scene(request)
+    assert (scene.material_source, scene.material_name in FAMILIES) == ("measured", True)
+    assert main(arguments_of(tmp_path / "ball", sources, "--materials", "measured")) == 0
+    written = json.loads((tmp_path / "ball" / "truth.json").read_text())
+    assert written["material_source"] == "measured"
+    assert "--materials measured" in written["command"]
+
+
 def test_an_existing_folder_is_never_touched(bag, sources, capsys):
     before = {path.name: path.stat().st_mtime_ns for path in bag.iterdir()}
     assert main(arguments_of(bag, sources)) == 2
@@ -262,6 +274,13 @@ def test_a_failed_run_leaves_nothing(sources, tmp_path, monkeypatch):
         ({"material": WardParameters((0.1, -0.1, 0.1), 0.3, 0.1)}, "0 or more"),
         ({"material": WardParameters((0.1, float("nan"), 0.1), 0.3, 0.1)}, "0 or more"),
         ({"material": WardParameters((0.1, 0.1, 0.1), 0.3, 0.0)}, "alpha"),
+        (
+            {
+                "material": WardParameters((0.1, 0.1, 0.1), 0.3, 0.1),
+                "materials": Materials(MaterialSource.MEASURED),
+            },
+            "exclude each other",
+        ),
     ],
 )
 def test_impossible_requests_are_refused(options, reason):

@@ -1,0 +1,80 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Meshes whose faces have materials of their own."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.synbrdf.scenes.material_sources import NamedMaterial
+from reflest_core.synbrdf.shapes.mesh import TriangleMesh
+
+
+@dataclass(frozen=True)
+class SceneMaterial:
+    """A material of a scene, as its truth names it.
+
+    Attributes:
+        named: Ward values and source; ``rho_d`` is that of most of the surface.
+        part: What it covers, such as ``table`` or ``object-2``.
+        texture: Kind of the pattern in ``rho_d``; ``plain`` without one.
+    """
+
+    named: NamedMaterial
+    part: str
+    texture: str
+
+
+@dataclass(frozen=True)
+class PaintedMesh:
+    """A mesh of several materials.
+
+    Attributes:
+        mesh: Triangles, metres.
+        materials: Materials by id.
+        material_of_face: (F,) int32, id of each face's material.
+        rho_d: (F, 3) float32, diffuse albedo of each face, linear sRGB.
+    """
+
+    mesh: TriangleMesh
+    materials: list[SceneMaterial]
+    material_of_face: NDArray[np.int32]
+    rho_d: NDArray[np.float32]
+
+    @property
+    def rho_s(self) -> NDArray[np.float32]:
+        """(F,) specular strength of each face."""
+        values = [material.named.ward.rho_s for material in self.materials]
+        return np.array(values, np.float32)[self.material_of_face]
+
+    @property
+    def alpha(self) -> NDArray[np.float32]:
+        """(F,) roughness of each face."""
+        values = [material.named.ward.alpha for material in self.materials]
+        return np.array(values, np.float32)[self.material_of_face]
+
+    def shifted(self, offset: NDArray[np.float64]) -> PaintedMesh:
+        """The same at another place; ``offset`` (3,) in metres."""
+        return dataclasses.replace(self, mesh=self.mesh.shifted(offset))
+
+
+def joined(parts: list[PaintedMesh]) -> PaintedMesh:
+    """One mesh of several; ids of materials count on from part to part."""
+    vertices = np.cumsum([0] + [len(part.mesh.vertices) for part in parts])
+    first_id = np.cumsum([0] + [len(part.materials) for part in parts])
+    mesh = TriangleMesh(
+        np.concatenate([part.mesh.vertices for part in parts]),
+        np.concatenate([part.mesh.normals for part in parts]),
+        np.concatenate([p.mesh.faces + n for p, n in zip(parts, vertices[:-1], strict=True)]),
+    )
+    ids = [p.material_of_face + n for p, n in zip(parts, first_id[:-1], strict=True)]
+    return PaintedMesh(
+        mesh,
+        [material for part in parts for material in part.materials],
+        np.concatenate(ids).astype(np.int32),
+        np.concatenate([part.rho_d for part in parts]),
+    )

@@ -1,0 +1,124 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Truth of a scene of many materials: ``truth.json`` and a point cloud ``truth.ply``."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.brdf.gloss import to_labcd
+from reflest_core.synbrdf.sequences.sequence_truth import TRUTH
+from reflest_core.synbrdf.tabletop.painted_mesh import PaintedMesh, SceneMaterial
+
+FORMAT = "synbrdf-sv-truth-1"
+CLOUD = "truth.ply"
+POINT = np.dtype(
+    [
+        *((name, "<f4") for name in ("x", "y", "z", "nx", "ny", "nz")),
+        *((name, "<f4") for name in ("rho_d_r", "rho_d_g", "rho_d_b", "rho_s", "alpha")),
+        ("views", "<u2"),
+        ("material_id", "<u4"),
+    ]
+)
+"""A point of the cloud: as ``reflest replay --materials`` writes it, without deviations."""
+PLY_TYPES = {"f4": "float", "u2": "ushort", "u4": "uint"}
+
+
+def truth_points(
+    painted: PaintedMesh,
+    positions: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    faces: NDArray[np.int64],
+    views: NDArray[np.int64],
+) -> NDArray[np.void]:
+    """Points with their materials.
+
+    Args:
+        painted: The scene's surfaces.
+        positions: (P, 3) metres, world frame.
+        normals: (P, 3) unit.
+        faces: (P,) index of each point's face.
+        views: (P,) number of frames that see the point.
+
+    Returns:
+        (P,) of :data:`POINT`.
+    """
+    points = np.zeros(len(positions), POINT)
+    points["x"], points["y"], points["z"] = positions.T
+    points["nx"], points["ny"], points["nz"] = normals.T
+    points["rho_d_r"], points["rho_d_g"], points["rho_d_b"] = painted.rho_d[faces].T
+    points["rho_s"], points["alpha"] = painted.rho_s[faces], painted.alpha[faces]
+    points["views"], points["material_id"] = views, painted.material_of_face[faces]
+    return points
+
+
+def write_cloud(path: Path, points: NDArray[np.void]) -> None:
+    """Write (P,) of :data:`POINT` as a binary little-endian PLY file."""
+    properties = [f"property {PLY_TYPES[POINT[name].str[1:]]} {name}" for name in POINT.names or ()]
+    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}"]
+    text = "\n".join([*header, *properties, "end_header", ""])
+    path.write_bytes(text.encode("ascii") + points.tobytes())
+
+
+def read_cloud(path: Path) -> NDArray[np.void]:
+    """Read what :func:`write_cloud` wrote."""
+    header, _, data = path.read_bytes().partition(b"end_header\n")
+    count = int(header.split(b"element vertex ")[1].split()[0])
+    return np.frombuffer(data, POINT, count)
+
+
+def material_cards(painted: PaintedMesh, points: NDArray[np.void]) -> list[dict[str, Any]]:
+    """A card of each material, by id.
+
+    Args:
+        painted: The scene's surfaces.
+        points: (P,) of :data:`POINT`, those that are seen, spread evenly over the surface.
+    """
+    return [
+        _card(number, material, points[points["material_id"] == number], len(points))
+        for number, material in enumerate(painted.materials)
+    ]
+
+
+def _card(
+    number: int, material: SceneMaterial, points: NDArray[np.void], count: int
+) -> dict[str, Any]:
+    ward, labcd = material.named.ward, to_labcd(material.named.ward)
+    mean = [
+        float(points[f"rho_d_{channel}"].mean()) if len(points) else ward.rho_d[k]
+        for k, channel in enumerate("rgb")
+    ]
+    return {
+        "id": number,
+        "part": material.part,
+        "source": material.named.source.value,
+        "name": material.named.name,
+        "texture": material.texture,
+        "ward_variant": ward.variant.value,
+        "rho_d": ward.rho_d,
+        "rho_d_mean": mean,
+        "rho_s": ward.rho_s,
+        "alpha": ward.alpha,
+        "lab": labcd.lab,
+        "c": labcd.c,
+        "d": labcd.d,
+        "seen_share": len(points) / max(count, 1),
+    }
+
+
+def write_truth(folder: Path, card: dict[str, Any], points: NDArray[np.void]) -> None:
+    """Write both files. The estimator never opens them.
+
+    Args:
+        folder: Of the bag.
+        card: What ``truth.json`` says besides its format.
+        points: (P,) of :data:`POINT`.
+    """
+    write_cloud(folder / CLOUD, points)
+    text = json.dumps({"format": FORMAT, **card}, indent=1)
+    (folder / TRUTH).write_text(text + "\n")
