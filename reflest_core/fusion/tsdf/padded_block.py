@@ -25,7 +25,11 @@ FIRST = EDGE**2 + EDGE + 1
 """The block's own voxels lie between here and as far from the end."""
 
 
+PADDING = np.pad(np.zeros((BLOCK_EDGE,) * 3, np.float32), 1, constant_values=1.0).reshape(SIZE)
+"""(1000,) 0 at the block's own voxels, else 1."""
+
 ALL_PAIRS = np.float32(16.0)
+"""Sobel weight of the pairs along an axis, where all are known."""
 
 
 class PaddedBlock(NamedTuple):
@@ -34,6 +38,7 @@ class PaddedBlock(NamedTuple):
     Attributes:
         values: (1000,) the TSDF, 0 where unobserved.
         known: (1000,) 1 where observed, else 0.
+        surrounded: (1000,) 1 where all 3 x 3 x 3 voxels around are observed, else 0.
         gradient: (3, 1000) per voxel.
         pairs: (3, 1000) Sobel weight of the observed pairs along each axis, at most 16.
         scratch: (2, 1000).
@@ -41,6 +46,7 @@ class PaddedBlock(NamedTuple):
 
     values: NDArray[np.float32]
     known: NDArray[np.float32]
+    surrounded: NDArray[np.float32]
     gradient: NDArray[np.float32]
     pairs: NDArray[np.float32]
     scratch: NDArray[np.float32]
@@ -56,6 +62,7 @@ def empty_padded_block() -> PaddedBlock:
     return PaddedBlock(
         np.zeros(SIZE, np.float32),
         np.zeros(SIZE, np.float32),
+        np.zeros(SIZE, np.float32),
         np.zeros((3, SIZE), np.float32),
         np.zeros((3, SIZE), np.float32),
         np.zeros((2, SIZE), np.float32),
@@ -63,16 +70,13 @@ def empty_padded_block() -> PaddedBlock:
 
 
 @compiled
-def gather(blocks: TsdfBlocks, key: int, out: PaddedBlock) -> bool:
-    """Fill in a block's values and those around it; a kernel.
+def gather(blocks: TsdfBlocks, key: int, out: PaddedBlock) -> None:
+    """Fill in a block and what surrounds it; a kernel.
 
     Args:
         blocks: The volume's arrays.
         key: The block.
-        out: ``values`` and ``known`` are filled.
-
-    Returns:
-        Whether all of it is known.
+        out: ``values``, ``known`` and ``surrounded`` are filled.
     """
     i, j, k = unpack_key(key)
     tsdf, weight = blocks.tsdf.reshape(-1), blocks.weight.reshape(-1)
@@ -100,10 +104,18 @@ def gather(blocks: TsdfBlocks, key: int, out: PaddedBlock) -> bool:
                         else:
                             known[to] = np.float32(weight[start] > 0) * is_there
                             values[to] = tsdf[start] * known[to]
-    unknown = np.float32(0.0)
-    for n in range(SIZE):
-        unknown += np.float32(1.0) - known[n]
-    return bool(unknown == np.float32(0.0))
+    _all_of_three(known, 1, out.surrounded)
+    _all_of_three(out.surrounded, EDGE, out.scratch[0])
+    _all_of_three(out.scratch[0], EDGE * EDGE, out.surrounded)
+
+
+@compiled
+def _all_of_three(known: NDArray[np.float32], step: int, out: NDArray[np.float32]) -> None:
+    """Products with both neighbours at a distance; the ends stay as they are."""
+    before, at, after = known[: SIZE - 2 * step], known[step:], known[2 * step :]
+    inner = out[step:]
+    for n in range(len(before)):
+        inner[n] = before[n] * at[n] * after[n]
 
 
 @compiled
@@ -117,22 +129,53 @@ def _range_towards(direction: int) -> tuple[int, int, int]:
 
 
 @compiled
-def find_gradient(block: PaddedBlock, is_whole: bool) -> None:
+def find_gradient(block: PaddedBlock, needs_pairs: bool) -> None:
     """Apply the Sobel operator over 3 x 3 x 3 voxels, to pairs of which both are known; a kernel.
 
     Args:
         block: ``gradient`` and ``pairs`` are filled.
-        is_whole: All values are known, so that the pairs need no counting.
+        needs_pairs: Count the pairs; else the gradient holds at ``surrounded`` voxels alone.
     """
-    _along(block, is_whole, 0, EDGE * EDGE, EDGE, 1)
-    _along(block, is_whole, 1, EDGE, EDGE * EDGE, 1)
-    _along(block, is_whole, 2, 1, EDGE * EDGE, EDGE)
+    if needs_pairs:
+        _along(block, 0, EDGE * EDGE, EDGE, 1)
+        _along(block, 1, EDGE, EDGE * EDGE, 1)
+        _along(block, 2, 1, EDGE * EDGE, EDGE)
+    else:
+        _sobel(block.values, EDGE * EDGE, EDGE, 1, block.gradient[0])
+        _sobel(block.values, EDGE, EDGE * EDGE, 1, block.gradient[1])
+        _sobel(block.values, 1, EDGE * EDGE, EDGE, block.gradient[2])
 
 
 @compiled
-def _along(
-    block: PaddedBlock, is_whole: bool, axis: int, step: int, second: int, third: int
+def _sobel(
+    values: NDArray[np.float32], step: int, second: int, third: int, out: NDArray[np.float32]
 ) -> None:
+    """Differences along ``step``, weighed (1, 2, 1) along both other steps, where all is known."""
+    two, share = np.float32(2.0), np.float32(0.5) / ALL_PAIRS
+    s, t, u = np.uint64(step), np.uint64(second), np.uint64(third)
+    for n in range(SIZE - 2 * FIRST):
+        p = np.uint64(n) + np.uint64(FIRST)
+        before, after = p - u, p + u
+        first = (
+            (values[before - t + s] - values[before - t - s])
+            + two * (values[before + s] - values[before - s])
+            + (values[before + t + s] - values[before + t - s])
+        )
+        middle = (
+            (values[p - t + s] - values[p - t - s])
+            + two * (values[p + s] - values[p - s])
+            + (values[p + t + s] - values[p + t - s])
+        )
+        last = (
+            (values[after - t + s] - values[after - t - s])
+            + two * (values[after + s] - values[after - s])
+            + (values[after + t + s] - values[after + t - s])
+        )
+        out[p] = (first + two * middle + last) * share
+
+
+@compiled
+def _along(block: PaddedBlock, axis: int, step: int, second: int, third: int) -> None:
     """Differences along ``step``, smoothed along the two other steps."""
     gradient, pairs = block.gradient[axis], block.pairs[axis]
     difference, pair = block.scratch[0], block.scratch[1]
@@ -145,10 +188,7 @@ def _along(
         pair[step:],
     )
     _smooth(difference, second, third, gradient)
-    if is_whole:
-        pairs[:] = ALL_PAIRS
-    else:
-        _smooth(pair, second, third, pairs)
+    _smooth(pair, second, third, pairs)
     half, least = np.float32(0.5), np.float32(1.0)
     for n in range(SIZE):
         gradient[n] *= half / max(pairs[n], least)

@@ -20,6 +20,7 @@ from reflest_core.fusion.tsdf.block_projection import VOXELS
 from reflest_core.fusion.tsdf.padded_block import (
     EDGE,
     FIRST,
+    PADDING,
     SIZE,
     PaddedBlock,
     empty_padded_block,
@@ -92,8 +93,10 @@ def extract_surface(
         if not _has_candidates(blocks, slot, near):
             continue
         bi, bj, bk = unpack_key(blocks.keys[slot])
-        find_gradient(padded, gather(blocks, blocks.keys[slot], padded))
-        _find_reach(padded, near, reach)
+        gather(blocks, blocks.keys[slot], padded)
+        needs_pairs = _needs_pairs(padded, near)
+        find_gradient(padded, needs_pairs)
+        _find_reach(padded, needs_pairs, near, reach)
         on_surface = blocks.on_surface[slot].reshape(VOXELS)
         for n in range(VOXELS):
             a, b, c = n // BLOCK_EDGE**2, n // BLOCK_EDGE % BLOCK_EDGE, n % BLOCK_EDGE
@@ -101,11 +104,11 @@ def extract_surface(
             was_on = on_surface[n]
             if not was_on and reach[p] > ENTER:
                 continue
-            key = pack_key(bi * BLOCK_EDGE + a, bj * BLOCK_EDGE + b, bk * BLOCK_EDGE + c)
+            i, j, k = bi * BLOCK_EDGE + a, bj * BLOCK_EDGE + b, bk * BLOCK_EDGE + c
+            key = pack_key(i, j, k)
             gx, gy, gz = (padded.gradient[0, p], padded.gradient[1, p], padded.gradient[2, p])
             square = gx * gx + gy * gy + gz * gz
             along = -padded.values[p] / square
-            i, j, k = unpack_key(key)
             x, y, z = i + along * gx, j + along * gy, k + along * gz
             on_surface[n] = reach[p] <= STAY
             if on_surface[n]:
@@ -156,11 +159,24 @@ def _has_candidates(blocks: TsdfBlocks, slot: int, near: np.float32) -> bool:
 
 
 @compiled
-def _find_reach(block: PaddedBlock, near: np.float32, reach: NDArray[np.float32]) -> None:
+def _needs_pairs(block: PaddedBlock, near: np.float32) -> bool:
+    """Whether a voxel near the surface has unknown voxels around it."""
+    zero = np.float32(0.0)
+    found = np.int32(0)
+    for n in range(FIRST, SIZE - FIRST):
+        is_near = (block.known[n] > zero) & (abs(block.values[n]) < near)
+        found |= np.int32(is_near & (block.surrounded[n] + PADDING[n] == zero))
+    return bool(found != 0)
+
+
+@compiled
+def _find_reach(
+    block: PaddedBlock, needs_pairs: bool, near: np.float32, reach: NDArray[np.float32]
+) -> None:
     """Largest component, in voxels, of the Newton step to the zero level; infinite for none."""
     far, zero = np.float32(np.inf), np.float32(0.0)
     gradient, pairs = block.gradient, block.pairs
-    least = np.float32(LEAST_PAIRS)
+    least = np.float32(LEAST_PAIRS) if needs_pairs else zero
     for n in range(FIRST, SIZE - FIRST):
         gx, gy, gz = gradient[0, n], gradient[1, n], gradient[2, n]
         square = gx * gx + gy * gy + gz * gz
