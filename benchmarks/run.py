@@ -98,18 +98,19 @@ def run(plan: Plan, cache: Path, capture: Path | None = None) -> dict[str, Any]:
     )
     _say(f"live: {recording.seconds:g} s at {plan.rate:g} Hz")
     results["live"] = run_live(recording, bag)
+    results["scene"] = _without_region(plan, Path(bag), "the table and all around it")
     if capture is not None:
-        _say(f"frame path of {capture.name}")
-        path, peers = _frame_path_and_peers(plan, str(capture.resolve()), most, is_table=False)
-        compared = compare_with_open3d(path, peers)
-        results["capture"] = {
-            "name": capture.name,
-            "frame_path": path,
-            "open3d": peers,
-            "against_open3d": compared,
-        }
+        results["capture"] = _without_region(plan, capture.resolve(), capture.name)
     results["took_s"] = time.monotonic() - started
     return results
+
+
+def _without_region(plan: Plan, capture: Path, name: str) -> dict[str, Any]:
+    """The frame path and its peers where all within the work radius is scanned."""
+    _say(f"frame path of {name}, no region of interest")
+    path, peers = _frame_path_and_peers(plan, str(capture), max(plan.threads), is_table=False)
+    compared = compare_with_open3d(path, peers)
+    return {"name": name, "frame_path": path, "open3d": peers, "against_open3d": compared}
 
 
 def compare_with_open3d(path: dict[str, Any], peers: dict[str, Any]) -> dict[str, Any]:

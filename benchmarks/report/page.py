@@ -90,8 +90,7 @@ def page_text(results: dict[str, Any]) -> str:
         "## Start-up and replay",
         start_up_section(results),
     ]
-    if "capture" in results:
-        capture = results["capture"]
+    for capture in (results[key] for key in ("scene", "capture") if key in results):
         as_threads = {name: {"2": capture[name]} for name in ("frame_path", "against_open3d")}
         as_threads["open3d"] = {"2": capture["open3d"]}
         parts += [
