@@ -17,12 +17,12 @@ unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH
 RUN_REQUIREMENTS := reflest_core/requirements.txt requirements/ros.txt requirements/build.txt \
 	requirements/demo.txt
 TEST_REQUIREMENTS := reflest_core/requirements-synbrdf.txt reflest_core/requirements-cluster.txt \
-	reflest_core/requirements-training.txt \
+	reflest_core/requirements-training.txt reflest_core/requirements-asset.txt \
 	requirements/test.txt
 INTERFACES := CMakeLists.txt package.xml setup.py pyproject.toml $(wildcard msg/*.msg srv/*.srv)
 requirement_flags = $(foreach file,$(1),-r $(file))
 
-.PHONY: demo test bench lint docs set-up clean
+.PHONY: web-tools demo test bench lint docs set-up clean
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/run.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
@@ -45,6 +45,11 @@ docs: $(VENV)/docs.stamp
 	$(BIN)/sphinx-build --fail-on-warning --keep-going -q docs build/site
 
 set-up: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
+
+# What the tests of exported files run in Node; they are skipped without it. The tests that look at
+# glTF in a browser need Chromium too (Debian's package chromium).
+web-tools:
+	npm ci --no-audit --no-fund --prefix test/web
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.measurements.open3d_library import import_open3d
 from benchmarks.measuring.resident_memory import peak_mb
 from benchmarks.measuring.timing import Timing
 from benchmarks.scene.table_scene import table_settings
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.open_capture import open_capture
+from reflest_core.export.libraries import open3d
 from reflest_core.fusion.frames.foreground import classify_pixels
 from reflest_core.fusion.frames.region import Region
 from reflest_core.fusion.settings import FusionSettings
@@ -81,7 +81,7 @@ def _fused(capture: Path, stamps: set[str], with_colour: bool, is_table: bool) -
 
 class _Grid:
     def __init__(self, settings: FusionSettings, with_colour: bool) -> None:
-        self._o3d = o3d = import_open3d()
+        self._o3d = o3d = open3d()
         self._settings = settings
         self._with_colour = with_colour
         names, channels = ("tsdf", "weight", "color"), ((1), (1), (3))

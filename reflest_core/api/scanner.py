@@ -23,13 +23,13 @@ from reflest_core.estimation.material_map import MaterialMap
 from reflest_core.estimation.scanner import Scanner as Pipeline
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.export.environment_file import export_environment
-from reflest_core.export.material_file import export_estimate
+from reflest_core.export.exporter import checked_format, export_scan
+from reflest_core.export.scan_asset import AssetSettings
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 
 FRAME_NS = 33_333_333
 """Nanoseconds between frames without a stamp: 30 Hz."""
 ENVIRONMENT_SUFFIXES = {".hdr": "hdr", ".exr": "exr"}
-MATERIAL_SUFFIXES = {".gltf": "gltf", ".usda": "usd", ".usd": "usd", ".xml": "mitsuba"}
 
 
 def sphere(centre: tuple[float, float, float], radius: float) -> RegionSettings:
@@ -163,11 +163,12 @@ class Scanner:
         return self._pipeline.materials(self._pipeline.snapshot())
 
     def export(self, path: Path | str) -> None:
-        """Write the material, or the light, to a file.
+        """Write the scanned surface with its materials, or the light, to a file.
 
         Args:
-            path: its suffix names the format: ``.gltf``, ``.usda`` or ``.xml`` (Mitsuba) for the
-                material, ``.hdr`` or ``.exr`` for the light.
+            path: its suffix names the format: ``.glb``, ``.gltf``, ``.usda``, ``.usdz``, ``.ply``,
+                ``.obj``, ``.sdf`` or ``.xml`` (Mitsuba) for the surface, which needs the extra
+                ``asset``; ``.hdr`` or ``.exr`` for the light.
 
         Raises:
             ReflestError: An unknown suffix, too little was scanned, or the file cannot be written.
@@ -176,11 +177,10 @@ class Scanner:
         if path.suffix in ENVIRONMENT_SUFFIXES:
             surface = self._pipeline.snapshot().surface
             export_environment(surface, ENVIRONMENT_SUFFIXES[path.suffix], path)
-        elif path.suffix in MATERIAL_SUFFIXES:
-            export_estimate(self.estimate(), MATERIAL_SUFFIXES[path.suffix], path)
-        else:
-            known = ", ".join((*MATERIAL_SUFFIXES, *ENVIRONMENT_SUFFIXES))
-            raise ArgumentRefused(f"{path} ends in no known suffix: {known}")
+            return
+        checked_format(path)
+        up = self._pipeline.settings.estimation.up
+        export_scan(self._pipeline.scan, self.materials(), path, settings=AssetSettings(up=up))
 
     def save(self, path: Path | str) -> None:
         """Write the scan to a file that :meth:`load` and ``reflest export`` read.

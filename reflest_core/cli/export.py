@@ -1,60 +1,174 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""``reflest export``: an estimate as a material for a renderer, a viewer or a simulator."""
+"""``reflest export``: the scanned surface with its materials, for simulators and renderers."""
 
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-EPILOG = """gltf, glb: glTF 2.0 with KHR_materials_specular; usd: UsdPreviewSurface as .usda;
-mitsuba: a scene with our plugin reflest_ward, which is the estimate exactly; mitsuba-stock: a scene
-that needs no plugin; hdr, exr: the light around the object, as an equirectangular environment.
-docs/export.md tells how the values are mapped and how near that comes."""
+from reflest_core.cli.scan_options import add_scan_options
+
+if TYPE_CHECKING:
+    from reflest_core.estimation.scanner import Scanner
+    from reflest_core.export.asset import Asset
+
+EPILOG = """example: reflest export scan.npz --format glb --out table.glb
+glb, gltf: glTF 2.0 with KHR_materials_specular. usd: .usda, .usdc or .usdz with UsdPreviewSurface
+and OpenPBR. sdf: a static model for gz-sim. obj, ply: the mesh. mitsuba: a scene with the plugin
+reflest_ward, which is the estimate exactly; mitsuba-stock: a scene that needs no plugin. hdr, exr:
+the light around the object. The surface needs the extra asset: pip install 'reflest-ros[asset]'.
+docs/export.md says how the values are mapped and how near that comes."""
+CAPTURE_SUFFIXES = (".mcap", ".db3")
 
 
 def add_parser(subparsers: Any) -> None:
-    """Add the subcommand."""
+    """Add the subcommand.
+
+    Args:
+        subparsers: What :meth:`argparse.ArgumentParser.add_subparsers` returned.
+    """
     from reflest_core.export.environment_file import LIGHT_FORMATS
-    from reflest_core.export.material_file import FORMATS
+    from reflest_core.export.exporter import FORMATS
 
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "export",
-        help="write an estimate as a material (glTF, USD, Mitsuba), or a scan's light",
+        help="write the scanned surface with its materials (glTF, USD, SDF, ...), or its light",
         epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
         "source",
         type=Path,
-        metavar="ESTIMATE.json|SCAN",
-        help="what reflest replay --json wrote; for hdr and exr a saved scan",
+        metavar="SCAN|CAPTURE|ESTIMATE.json",
+        help="a saved scan, or a capture to scan; with --sphere also what replay --json wrote",
     )
     parser.add_argument("--format", choices=[*FORMATS, *LIGHT_FORMATS], required=True)
     parser.add_argument("--out", type=Path, required=True, metavar="FILE")
     parser.add_argument(
+        "--faces", type=int, metavar="N", help="triangles of the surface; default: 20000"
+    )
+    parser.add_argument(
+        "--texture",
+        type=int,
+        metavar="PIXELS",
+        help="edge of the base colour texture; default: two pixels for each voxel",
+    )
+    parser.add_argument(
+        "--watertight", action="store_true", help="close the surface where nothing was scanned"
+    )
+    parser.add_argument(
+        "--sphere", action="store_true", help="a 10 cm sphere of the material, not the surface"
+    )
+    parser.add_argument(
         "--environment",
         type=Path,
         metavar="FILE",
-        help="light the scene with this .hdr or .exr file (usd, mitsuba, mitsuba-stock)",
+        help="light the sphere with this .hdr or .exr file (usd, mitsuba, mitsuba-stock)",
     )
+    add_scan_options(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Read the estimate or the scan, write the material or the light."""
+    """Write what was asked for.
+
+    Args:
+        options: The parsed command line.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        ReflestError: A bad option, an unreadable source, or nothing to export.
+    """
     from reflest_core.export.environment_file import LIGHT_FORMATS, export_environment
     from reflest_core.export.errors import ExportError
-    from reflest_core.export.estimate_file import read_estimate
-    from reflest_core.export.material_file import export_estimate
-    from reflest_core.fusion.scan import Scan
 
-    if options.format not in LIGHT_FORMATS:
-        estimate = read_estimate(options.source)
-        export_estimate(estimate, options.format, options.out, options.environment)
-    elif options.environment is not None:
-        raise ExportError(f"--environment lights a material; {options.format} is the light itself")
+    if options.format in LIGHT_FORMATS:
+        if options.environment is not None:
+            raise ExportError(
+                f"--environment lights a material; {options.format} is the light itself"
+            )
+        surface = _scanned(options).snapshot().surface
+        export_environment(surface, options.format, options.out)
     else:
-        export_environment(Scan.load(options.source).snapshot(), options.format, options.out)
+        asset = _sphere(options) if options.sphere else _surface(options)
+        if asset.warning:
+            print(f"reflest: warning: {asset.warning}", file=sys.stderr)
     print(f"wrote {options.out}")
     return 0
+
+
+def _sphere(options: argparse.Namespace) -> Asset:
+    from reflest_core.export.estimate_file import read_estimate
+    from reflest_core.export.exporter import checked_format, export_estimate
+
+    checked_format(options.out, options.format)
+    if options.source.suffix == ".json":
+        estimate = read_estimate(options.source)
+    else:
+        scanner = _scanned(options)
+        estimate = scanner.estimate(scanner.snapshot())
+    return export_estimate(estimate, options.format, options.out, options.environment)
+
+
+def _surface(options: argparse.Namespace) -> Asset:
+    from reflest_core.export.errors import ExportError
+    from reflest_core.export.exporter import checked_format, export_scan
+    from reflest_core.export.scan_asset import FACES, AssetSettings
+
+    if options.environment is not None:
+        raise ExportError(
+            "--environment lights a sphere: add --sphere; a surface has its own light"
+        )
+    if options.source.suffix == ".json":
+        raise ExportError(
+            f"{options.source} holds an estimate and no surface: add --sphere, or give a saved "
+            "scan (reflest replay CAPTURE --save-scan FILE)"
+        )
+    checked_format(options.out, options.format)
+    settings = AssetSettings(
+        FACES if options.faces is None else options.faces,
+        options.texture or 0,
+        options.watertight,
+        tuple(options.up) if options.up else (0.0, 0.0, 1.0),
+    )
+    scanner = _scanned(options)
+    found = scanner.materials(scanner.snapshot())
+    return export_scan(scanner.scan, found, options.out, options.format, settings)
+
+
+def _scanned(options: argparse.Namespace) -> Scanner:
+    """The saved scan, or a scan of all frames of the capture."""
+    from reflest_core.capture.open_capture import open_capture
+    from reflest_core.capture.refusal import CaptureError, FrameRefused
+    from reflest_core.cli.replay_options import replay_settings, topic_choice
+    from reflest_core.estimation.scanner import Scanner
+
+    source: Path = options.source
+    settings = replay_settings(options)
+    scanner = Scanner(settings)
+    if source.is_file() and source.suffix not in CAPTURE_SUFFIXES:
+        scanner.load(source)
+        return scanner
+    capture = open_capture(
+        source,
+        topic_choice(options),
+        settings.capture,
+        tuple(options.intrinsics) if options.intrinsics else None,
+        on_clock_jump=lambda _: scanner.restart_clock(),
+    )
+    fused = 0
+    for frame in capture:
+        try:
+            scanner.fuse(frame)
+            fused += 1
+        except FrameRefused as refusal:
+            capture.refuse(refusal)
+    if not fused:
+        reasons = "; ".join(capture.refusals.first_message.values())
+        raise CaptureError(f"{capture.name} has no usable frame: {reasons or 'it is empty'}")
+    return scanner

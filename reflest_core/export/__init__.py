@@ -1,3 +1,3 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""An estimate as a material that other programs read: glTF, USD, Mitsuba."""
+"""The scanned surface, its materials and its light as files of other programs."""

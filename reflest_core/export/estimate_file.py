@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Reads an estimate back from the JSON that ``reflest replay --json`` writes."""
+"""Reads an estimate from the JSON that ``reflest replay --json`` writes."""
 
 from __future__ import annotations
 
@@ -21,8 +21,11 @@ from reflest_core.export.errors import ExportError
 def read_estimate(path: Path) -> BrdfEstimate:
     """The final estimate of a replay, or the estimate that is the whole file.
 
+    Args:
+        path: The JSON file.
+
     Raises:
-        ExportError: the file cannot be read, is of another version or holds no estimate.
+        ExportError: The file cannot be read, is of another version or holds no estimate.
     """
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
@@ -48,9 +51,15 @@ def read_estimate(path: Path) -> BrdfEstimate:
 
 
 def estimate_from_record(record: dict[str, Any]) -> BrdfEstimate:
-    """What :meth:`BrdfEstimate.to_json` was called on; null becomes NaN.
+    """The estimate that :meth:`BrdfEstimate.to_json` was called on; null becomes NaN.
 
-    Raises KeyError, TypeError or ValueError for a damaged record.
+    Args:
+        record: The JSON object.
+
+    Raises:
+        KeyError: A field is missing.
+        TypeError: A field has a wrong type.
+        ValueError: A field has a wrong value.
     """
     values: dict[str, Any] = {
         "stamp_ns": int(record["header"]["stamp_ns"]),

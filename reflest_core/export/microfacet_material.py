@@ -1,14 +1,15 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Ward's material in the terms of glTF 2.0 and UsdPreviewSurface.
+"""Ward's material in the terms of glTF 2.0, UsdPreviewSurface and OpenPBR.
 
-The mapping, with ``f = base (1 - F) / pi + F lobe``:
+The mapping, with ``f = base (1 - F) / pi + F lobe`` and a GGX lobe:
 
-- ``F`` at normal incidence (F0) is ``rho_s``: a facet of Ward's lobe reflects that share.
-- ``base = rho_d / (1 - rho_s)``, which gives back ``rho_d`` after the facets took their share.
-  Energy conservation (``max(rho_d) + rho_s <= 1``) keeps it in [0, 1].
-- ``roughness = sqrt(alpha_ggx)``, as both formats define it; ``alpha_ggx`` from
-  :func:`reflest_core.brdf.ggx.ggx_alpha`.
+- ``roughness = sqrt(alpha_ggx)``, as the formats define it; ``alpha_ggx`` is
+  :func:`reflest_core.brdf.ggx.ggx_alpha`, the nearest in RMS, times :data:`NARROWER`.
+- ``F`` at normal incidence (F0) is ``rho_s`` times Ward's mean albedo over that of the GGX lobe, so
+  that both send as much light to all sides together. For the bounded variant that factor is nearly
+  1; for Ward 1992, which loses light towards the horizon, about 2/3.
+- ``base = rho_d / (1 - F0)``, which gives back ``rho_d`` after the facets took their share.
 - Nothing is metal: Ward's highlight has no colour.
 """
 
@@ -17,15 +18,55 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from reflest_core.brdf.ggx import ggx_alpha
-from reflest_core.brdf.parameters import WardParameters
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.brdf.ggx import RATIO_KNOTS, ggx_alpha
+from reflest_core.brdf.parameters import WardParameters, WardVariant
+
+NARROWER = {WardVariant.WARD_1992: 0.88, WardVariant.BOUNDED_2010: 0.96}
+"""GGX has a tail, which the eye sees more than RMS does. Of this width times the RMS fit's, the
+cube roots of both BRDFs differ least, beside a diffuse ``rho_d = pi rho_s`` (``alpha`` = 0.1, light
+and camera coincide; CubeRoot is the loss of Kim et al. 2017 that follows perception)."""
+ENERGY_RATIO: dict[WardVariant, tuple[float, ...]] = {
+    WardVariant.WARD_1992: (
+        0.6667,
+        0.6637,
+        0.6473,
+        0.6189,
+        0.5819,
+        0.5397,
+        0.4961,
+        0.4535,
+        0.4135,
+        0.3768,
+        0.3437,
+    ),
+    WardVariant.BOUNDED_2010: (
+        1.0000,
+        0.9952,
+        0.9868,
+        0.9767,
+        0.9621,
+        0.9418,
+        0.9170,
+        0.8896,
+        0.8613,
+        0.8330,
+        0.8054,
+    ),
+}
+""":func:`energy_ratio` at :data:`~reflest_core.brdf.ggx.RATIO_KNOTS`; a test integrates it."""
 
 
 @dataclass(frozen=True)
 class MicrofacetMaterial:
-    """``base_colour``: linear sRGB in [0, 1]. ``f0``: reflectance of a facet at normal incidence.
+    """A dielectric of GGX facets.
 
-    ``roughness``: in (0, 1], the square root of the GGX width.
+    Attributes:
+        base_colour: Linear sRGB in [0, 1].
+        f0: Reflectance of a facet at normal incidence.
+        roughness: In (0, 1], the square root of the GGX width.
     """
 
     base_colour: tuple[float, float, float]
@@ -34,14 +75,53 @@ class MicrofacetMaterial:
 
     @staticmethod
     def from_ward(ward: WardParameters) -> MicrofacetMaterial:
-        """The nearest such material."""
-        f0 = min(ward.rho_s, 1.0)
-        red, green, blue = (_base(channel, f0) for channel in ward.rho_d)
+        """The nearest such material.
+
+        Args:
+            ward: The material.
+        """
+        f0 = min(ward.rho_s * energy_ratio(ward.alpha, ward.variant), 1.0)
+        red, green, blue = base_colour(np.array(ward.rho_d), np.array(f0)).tolist()
         return MicrofacetMaterial(
-            (red, green, blue), f0, math.sqrt(ggx_alpha(ward.alpha, ward.variant))
+            (red, green, blue), f0, math.sqrt(ggx_width(ward.alpha, ward.variant))
         )
 
 
-def _base(rho_d: float, f0: float) -> float:
-    # A mirror (F0 = 1) leaves nothing to the base.
-    return min(rho_d / (1 - f0), 1.0) if f0 < 1 else 0.0
+def ggx_width(alpha: float, variant: WardVariant) -> float:
+    """Width of the GGX lobe that looks most like Ward's.
+
+    Args:
+        alpha: Ward's roughness.
+        variant: The specular normalisation of the Ward lobe.
+
+    Returns:
+        ``alpha`` of GGX, in (0, 1].
+    """
+    return NARROWER[variant] * ggx_alpha(alpha, variant)
+
+
+def energy_ratio(alpha: float, variant: WardVariant) -> float:
+    """Mean albedo of Ward's specular lobe over that of the GGX lobe that stands for it.
+
+    The mean is over directions to the camera, weighted by their cosine (bihemispherical albedo).
+
+    Args:
+        alpha: Ward's roughness.
+        variant: The specular normalisation of the Ward lobe.
+    """
+    return float(np.interp(alpha, RATIO_KNOTS, ENERGY_RATIO[variant]))
+
+
+def base_colour(rho_d: NDArray[np.floating], f0: NDArray[np.floating]) -> NDArray[np.float64]:
+    """The base colour that gives ``rho_d`` back after the facets took their share.
+
+    Args:
+        rho_d: (..., 3) linear sRGB.
+        f0: (...) or (..., 1), which broadcasts against ``rho_d``.
+
+    Returns:
+        (..., 3) linear sRGB in [0, 1]; black for a mirror, which leaves nothing to the base.
+    """
+    left = 1.0 - np.asarray(f0, np.float64)
+    colour = np.asarray(rho_d, np.float64) / np.where(left > 0.0, left, 1.0)
+    return np.where(left > 0.0, np.minimum(colour, 1.0), 0.0)

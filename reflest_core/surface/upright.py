@@ -7,7 +7,7 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from reflest_core.light.turned_light import turned_light
 from reflest_core.surface.observed_surface import ObservedSurface
@@ -22,7 +22,7 @@ def upright(surface: ObservedSurface, up: tuple[float, float, float]) -> Observe
     """
     if up == (0.0, 0.0, 1.0):
         return surface
-    rotation = _shortest_rotation_to_z(np.array(up) / np.linalg.norm(up)).astype(np.float32)
+    rotation = rotation_to_z(up).astype(np.float32)
     return dataclasses.replace(
         surface,
         positions=surface.positions @ rotation.T,
@@ -32,8 +32,16 @@ def upright(surface: ObservedSurface, up: tuple[float, float, float]) -> Observe
     )
 
 
-def _shortest_rotation_to_z(up: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(3, 3) rotation with ``R up = z``: two reflections, which hold for any unit ``up``."""
+def rotation_to_z(direction: ArrayLike) -> NDArray[np.float64]:
+    """The shortest rotation that takes a direction to +z.
+
+    Args:
+        direction: (3,) of any length but 0.
+
+    Returns:
+        (3, 3) rotation, made of two reflections, which hold for any direction.
+    """
+    up = np.asarray(direction, np.float64) / np.linalg.norm(direction)
     z = np.array([0.0, 0.0, 1.0])
     if up[2] < -0.999999:
         return np.diag([1.0, -1.0, -1.0])

@@ -10,7 +10,7 @@ from pathlib import Path
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.export.environment_file import LIGHT_FORMATS, export_environment
 from reflest_core.export.errors import ExportError
-from reflest_core.export.material_file import FORMATS, export_estimate
+from reflest_core.export.exporter import FORMATS, export_estimate
 from reflest_ros.outputs.estimate_message import estimate_to_message, unknown_message
 from reflest_ros.services.answers import answer_with
 from reflest_ros.services.file_access import FileAccess

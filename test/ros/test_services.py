@@ -19,7 +19,7 @@ from sphere_scene import CENTRE, PERIOD_NS, views
 from std_srvs.srv import Trigger
 
 from reflest_core.export.environment_file import LIGHT_FORMATS
-from reflest_core.export.material_file import FORMATS
+from reflest_core.export.exporter import FORMATS
 from reflest_ros.srv import Estimate, ExportEstimate, LoadScan, SaveScan, SetRegion
 
 
@@ -77,7 +77,7 @@ def test_pause_in_mid_fusion_keeps_the_scan_and_resume_goes_on(peer, send):
 @pytest.mark.parametrize("format_name", FORMATS)
 def test_export_writes_what_is_estimated_now(peer, send, tmp_path, format_name):
     send(2)
-    path = tmp_path / f"material{FORMATS[format_name][0]}"
+    path = tmp_path / f"material{FORMATS[format_name].suffixes[0]}"
     response = peer.call(ExportEstimate, "export", format=format_name, path=str(path))
     assert response.success, response.message
     assert str(path) in response.message
@@ -95,7 +95,7 @@ def test_export_writes_what_is_estimated_now(peer, send, tmp_path, format_name):
 @pytest.mark.parametrize("format_name", LIGHT_FORMATS)
 def test_export_writes_the_light_that_was_seen(peer, send, tmp_path, format_name):
     send(2)
-    path = tmp_path / f"light{LIGHT_FORMATS[format_name][0]}"
+    path = tmp_path / f"light{LIGHT_FORMATS[format_name]}"
     response = peer.call(ExportEstimate, "export", format=format_name, path=str(path))
     assert response.success, response.message
     assert "was seen" in response.message

@@ -73,10 +73,10 @@ def test_a_saved_scan_goes_on_in_another_scanner(scanned, tmp_path):
 
 
 def test_the_suffix_chooses_what_is_exported(scanned, tmp_path):
-    for name in ("material.gltf", "light.hdr"):
+    for name in ("surface.glb", "light.hdr"):
         scanned.export(tmp_path / name)
         assert (tmp_path / name).stat().st_size > 100
-    with pytest.raises(ReflestError, match=r"no known suffix: .*\.gltf"):
+    with pytest.raises(ReflestError, match=r"no known suffix; known are .*\.gltf"):
         scanned.export(tmp_path / "material.docx")
 
 

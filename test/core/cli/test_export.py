@@ -11,6 +11,8 @@ from reflest_core.cli.main import main
 from reflest_core.estimation.estimate import SCHEMA_VERSION
 from test.core.export.estimates import GLOSSY_RED
 
+SPHERE = ("--sphere", "--format")
+
 
 @pytest.fixture
 def estimate_file(tmp_path):
@@ -21,14 +23,16 @@ def estimate_file(tmp_path):
 
 def test_an_estimate_becomes_a_material(estimate_file, tmp_path, capsys):
     out = tmp_path / "material.gltf"
-    assert main(["export", str(estimate_file), "--format", "gltf", "--out", str(out)]) == 0
-    assert json.loads(out.read_text())["materials"][0]["name"] == "reflest"
+    assert main(["export", str(estimate_file), *SPHERE, "gltf", "--out", str(out)]) == 0
+    assert json.loads(out.read_text())["materials"][0]["name"] == "reflest_material"
     assert capsys.readouterr().out == f"wrote {out}\n"
 
 
 def test_a_users_mistake_is_one_line(tmp_path, capsys):
     nothing = str(tmp_path / "nothing.json")
-    code = main(["export", nothing, "--format", "usd", "--out", str(tmp_path / "a.usda")])
+    code = main(
+        ["export", nothing, "--sphere", "--format", "usd", "--out", str(tmp_path / "a.usda")]
+    )
     assert code == 2
     assert capsys.readouterr().err.startswith(f"reflest: error: cannot read {nothing}")
 
@@ -50,7 +54,7 @@ def test_a_saved_scan_becomes_an_environment_that_lights_the_material(
 
     scene = tmp_path / "scene.xml"
     lit = ["--format", "mitsuba-stock", "--environment", str(light), "--out", str(scene)]
-    assert main(["export", str(estimate_file), *lit]) == 0
+    assert main(["export", str(estimate_file), "--sphere", *lit]) == 0
     assert 'value="light.hdr"' in scene.read_text()
 
 

@@ -13,7 +13,7 @@ from reflest_core.light.octahedral import octahedral_solid_angles, octahedral_te
 from reflest_core.light.turned_light import turned_light
 from reflest_core.models.hemicnn.hemisphere_images import hemisphere_images
 from reflest_core.models.lightnet.features import features_of
-from reflest_core.surface.upright import _shortest_rotation_to_z, upright
+from reflest_core.surface.upright import rotation_to_z, upright
 from test.core.surfaces import sphere_surface
 
 
@@ -22,7 +22,7 @@ from test.core.surfaces import sphere_surface
 )
 def test_up_becomes_z_by_a_rotation(up):
     unit = np.array(up) / np.linalg.norm(up)
-    rotation = _shortest_rotation_to_z(unit)
+    rotation = rotation_to_z(unit)
     np.testing.assert_allclose(rotation @ unit, [0, 0, 1], atol=1e-9)
     np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-9)
     assert np.linalg.det(rotation) == pytest.approx(1)
@@ -88,7 +88,7 @@ def test_turned_light_keeps_its_power_and_its_marks(up):
     light.add(lamp + 0.1 * rng.normal(size=(5000, 3)).astype(np.float32), np.full((5000, 3), 255))
     light.add(-lamp + 0.3 * rng.normal(size=(5000, 3)).astype(np.float32), np.full((5000, 3), 90))
     before = light.observed()
-    after = turned_light(before, _shortest_rotation_to_z(np.array(up) / np.linalg.norm(up)))
+    after = turned_light(before, rotation_to_z(up))
     at = octahedral_texel(0.0, 0.0, 1.0, SIZE)
     assert (after.coverage[at], after.any_clipped[at]) == (1.0, 1.0)
     np.testing.assert_allclose(after.radiance[at], 1.0, rtol=1e-6)

@@ -1,14 +1,18 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Mitsuba loads and renders both scenes."""
+"""Mitsuba loads and renders the scenes."""
+
+import dataclasses
 
 import numpy as np
 import pytest
 
 from reflest_core.brdf.parameters import WardVariant
-from reflest_core.export.material_file import export_estimate
+from reflest_core.export.exporter import export_asset, export_estimate
+from reflest_core.export.scan_asset import AssetSettings, scan_asset
 from reflest_core.synbrdf.path_tracing.ward_bsdf import mi
 from test.core.export.estimates import GLOSSY_RED, glossy_red
+from test.core.export.scanned_ball import scanned_ball
 
 TOWARDS_LIGHT = np.array([0.15, -0.9, 0.6]) / np.linalg.norm([0.15, -0.9, 0.6])
 
@@ -46,6 +50,22 @@ def test_the_stock_material_is_the_bounded_variant_almost_everywhere(tmp_path):
     exact = rendered(tmp_path / "exact.xml", estimate, "mitsuba")
     stock = rendered(tmp_path / "stock.xml", estimate, "mitsuba-stock")
     assert stock.mean() == pytest.approx(exact.mean(), rel=0.01)
+
+
+@pytest.mark.parametrize("name", ["mitsuba", "mitsuba-stock"])
+def test_a_scan_is_in_view_with_red_above_the_stripes(tmp_path, name):
+    asset = scan_asset(*scanned_ball(), "ball", AssetSettings(faces=1000))
+    export_asset(dataclasses.replace(asset, light=None), tmp_path / "ball.xml", name)
+    image = np.array(mi.render(mi.load_file(str(tmp_path / "ball.xml")), spp=16))
+    is_ball = np.abs(image - 0.4).max(axis=2) > 0.02
+    rows, columns = np.nonzero(is_ball)
+    assert abs(columns.mean() - 127.5) < 5
+    assert 90 < columns.max() - columns.min() < 230
+    middle_row = int(rows.mean())
+    upper = image[middle_row - 30 : middle_row, 118:138]
+    lower = image[rows.max() - 14 : rows.max() - 4, 118:138]
+    assert np.median(upper[..., 0]) > 2 * np.median(upper[..., 2])
+    assert np.median(lower[..., 2]) > np.median(lower[..., 0])
 
 
 def test_the_file_says_where_it_comes_from(tmp_path):

@@ -4,13 +4,14 @@
 
 import json
 import math
+from pathlib import Path
 
 import pytest
 
 from reflest_core.estimation.estimate import READABLE_VERSIONS, SCHEMA_VERSION, BrdfEstimate
 from reflest_core.export.errors import ExportError
 from reflest_core.export.estimate_file import estimate_from_record, read_estimate
-from reflest_core.export.material_file import FORMATS, export_estimate
+from reflest_core.export.exporter import FORMATS, asset_name, checked_format, export_estimate
 from reflest_core.whole_file import OutputError
 from test.core.export.estimates import GLOSSY_RED, glossy_red
 
@@ -19,21 +20,33 @@ from test.core.export.estimates import GLOSSY_RED, glossy_red
 def test_every_format_gives_the_same_bytes_twice(name, tmp_path):
     contents = []
     for stem in ("a", "b"):
-        path = tmp_path / f"{stem}{FORMATS[name][0]}"
+        folder = tmp_path / stem
+        folder.mkdir()
+        path = folder / f"material{FORMATS[name].suffixes[0]}"
         export_estimate(GLOSSY_RED, name, path)
-        contents.append(path.read_bytes())
+        contents.append({one.name: one.read_bytes() for one in folder.iterdir()})
     assert contents[0] == contents[1]
-    assert len(list(tmp_path.iterdir())) == 2
+    assert path.name in contents[0]
 
 
 def test_an_unknown_format_names_the_known_ones(tmp_path):
-    with pytest.raises(ExportError, match="'obj' is no export format; known are gltf, glb, usd"):
-        export_estimate(GLOSSY_RED, "obj", tmp_path / "a.obj")
+    with pytest.raises(ExportError, match="'fbx' is no export format; known are glb, gltf, usd"):
+        export_estimate(GLOSSY_RED, "fbx", tmp_path / "a.fbx")
 
 
 def test_a_suffix_of_another_format_is_refused(tmp_path):
-    with pytest.raises(ExportError, match=r"must end in \.usda for the format usd"):
-        export_estimate(GLOSSY_RED, "usd", tmp_path / "a.usdz")
+    with pytest.raises(ExportError, match=r"must end in \.usda or \.usdc or"):
+        export_estimate(GLOSSY_RED, "usd", tmp_path / "a.glb")
+    with pytest.raises(ExportError, match=r"ends in no known suffix; known are \.glb"):
+        checked_format(tmp_path / "a.docx")
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [("table", "table"), ("my table-2", "my_table_2"), ("7up", "scan_7up"), ("äö", "scan")],
+)
+def test_names_in_files_are_letters_digits_and_underscores(name, expected):
+    assert asset_name(Path(f"{name}.glb")) == expected
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,178 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""A scan and its materials as an asset."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from reflest_core.environment.environment_map import environment_map
+from reflest_core.estimation.material_map import MaterialMap
+from reflest_core.export.asset import Asset, AssetMaterial, AssetMesh
+from reflest_core.export.atlas import Atlas, unwrapped
+from reflest_core.export.bake import covered_texels, filled, interpolated
+from reflest_core.export.errors import ExportError
+from reflest_core.export.microfacet_material import MicrofacetMaterial, base_colour
+from reflest_core.export.scanned_mesh import TriangleMesh, scanned_mesh
+from reflest_core.fusion.scan import Scan
+from reflest_core.surface.upright import rotation_to_z, upright
+
+FACES = 20_000
+SIZES = (256, 512, 1024, 2048, 4096)
+"""Texture sizes to choose from."""
+TEXELS_PER_VOXEL = 2.0
+"""Along each direction, where the largest texture allows that."""
+UNKNOWN = np.float32(-1.0)
+"""A standard deviation that is not known, in vertex attributes."""
+
+
+@dataclass(frozen=True)
+class AssetSettings:
+    """How the surface is written.
+
+    Attributes:
+        faces: The mesh is decimated to about so many.
+        texture_size: Texels along each side; 0 chooses two texels for each voxel.
+        is_watertight: Close the surface where nothing was scanned.
+        up: Up in the scan's world frame.
+    """
+
+    faces: int = FACES
+    texture_size: int = 0
+    is_watertight: bool = False
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+
+    def __post_init__(self) -> None:
+        """Check the values.
+
+        Raises:
+            ExportError: One is out of range; it is named.
+        """
+        if self.faces < 4:
+            raise ExportError(f"faces is {self.faces}: a surface needs 4 or more")
+        if self.texture_size and not 16 <= self.texture_size <= 8192:
+            raise ExportError(f"texture size {self.texture_size} is not in 16 to 8192 (or 0)")
+        if not 0.0 < float(np.linalg.norm(self.up)) < np.inf:
+            raise ExportError(f"up is {self.up}: it must be a direction")
+
+
+def scan_asset(
+    scan: Scan, found: MaterialMap, name: str, settings: AssetSettings | None = None
+) -> Asset:
+    """The scanned surface with its materials, albedo texture and light.
+
+    Args:
+        scan: What was fused.
+        found: The materials of this scan.
+        name: Of the asset.
+        settings: How the surface is written; None for the defaults.
+
+    Raises:
+        ExportError: There is no surface or no material, or a package is missing.
+    """
+    settings = settings or AssetSettings()
+    if not found.materials:
+        raise ExportError("the scan has no material with an estimate: scan more of the surface")
+    materials = tuple(
+        AssetMaterial.of(one.estimate, f"{name}_material_{one.id}", one.id)
+        for one in found.materials
+    )
+    index_of = {one.id: index for index, one in enumerate(found.materials)}
+    voxels = _Voxels(found, index_of)
+    mesh = scanned_mesh(scan, settings.faces, settings.is_watertight)
+    labels = voxels.material_of(mesh.vertices[mesh.faces].mean(axis=1))
+    size = settings.texture_size or _texture_size(mesh, scan.fusion.voxel_size)
+    atlas = unwrapped(mesh, labels, size)
+    texture = _baked(mesh, labels, atlas, voxels, materials, scan.fusion.voxel_size)
+    light = upright(found.surface, settings.up)
+    has_light = light.light is not None and light.light.seen_share > 0.0
+    return Asset(
+        name,
+        _upright_mesh(mesh, labels, atlas, voxels, found, settings.up),
+        materials,
+        texture,
+        environment_map(light) if has_light else None,
+    )
+
+
+class _Voxels:
+    """The voxels of the map's materials, to look up by position."""
+
+    def __init__(self, found: MaterialMap, index_of: dict[int, int]) -> None:
+        ids = found.material_ids
+        labels = np.array([index_of.get(int(one), -1) for one in ids], np.int32)
+        is_used = labels >= 0
+        self.labels = labels[is_used]
+        self.positions = found.surface.positions[is_used]
+        self.rho_d, self.rho_d_stddev = found.rho_d[is_used], found.rho_d_stddev[is_used]
+        self.tree = cKDTree(self.positions)
+
+    def material_of(self, places: NDArray[np.float32]) -> NDArray[np.int32]:
+        """(P,) index of the material that most of the five nearest voxels have."""
+        count = min(5, len(self.labels))
+        _, near = self.tree.query(places, k=count)
+        labels = self.labels[near.reshape(-1, count)]
+        votes = (labels[:, :, None] == labels[:, None, :]).sum(axis=2)
+        return np.take_along_axis(labels, votes.argmax(axis=1)[:, None], axis=1)[:, 0]
+
+
+def _texture_size(mesh: TriangleMesh, voxel_size: float) -> int:
+    area = 0.5 * float(np.linalg.norm(mesh.face_normals, axis=1).sum())
+    # Charts fill about two thirds of the page.
+    wanted = TEXELS_PER_VOXEL / voxel_size * np.sqrt(1.5 * area)
+    return next((size for size in SIZES if size >= wanted), SIZES[-1])
+
+
+def _baked(
+    mesh: TriangleMesh,
+    labels: NDArray[np.int32],
+    atlas: Atlas,
+    voxels: _Voxels,
+    materials: tuple[AssetMaterial, ...],
+    voxel_size: float,
+) -> NDArray[np.uint8]:
+    texels, face, weights = covered_texels(atlas.uv, atlas.faces, atlas.size)
+    corners = mesh.vertices[mesh.faces[face]]
+    places = np.einsum("tk,tkc->tc", weights, corners).astype(np.float32)
+    rho_d = interpolated(
+        places, labels[face], voxels.positions, voxels.labels, voxels.rho_d, 0.7 * voxel_size
+    )
+    of_material = np.array([one.ward.rho_d for one in materials], np.float32)[labels[face]]
+    rho_d = np.where(np.isfinite(rho_d), rho_d, of_material)
+    f0 = np.array([MicrofacetMaterial.from_ward(one.ward).f0 for one in materials])[labels[face]]
+    return filled(texels, base_colour(rho_d, f0[:, None]).astype(np.float32), atlas.size)
+
+
+def _upright_mesh(
+    mesh: TriangleMesh,
+    labels: NDArray[np.int32],
+    atlas: Atlas,
+    voxels: _Voxels,
+    found: MaterialMap,
+    up: tuple[float, float, float],
+) -> AssetMesh:
+    rotation = rotation_to_z(up).astype(np.float32)
+    vertices = mesh.vertices[atlas.source]
+    label = np.zeros(len(vertices), np.int32)
+    label[atlas.faces] = labels[:, None]
+    _, near = voxels.tree.query(vertices)
+    estimates = [one.estimate for one in found.materials]
+    attributes = {
+        "material_id": np.array([one.id for one in found.materials], np.float32)[label],
+        "rho_d_stddev": voxels.rho_d_stddev[near],
+        "rho_s_stddev": np.array([e.rho_s_stddev for e in estimates], np.float32)[label],
+        "alpha_stddev": np.array([e.alpha_stddev for e in estimates], np.float32)[label],
+    }
+    return AssetMesh(
+        vertices @ rotation.T,
+        mesh.vertex_normals[atlas.source] @ rotation.T,
+        atlas.faces,
+        labels,
+        atlas.uv,
+        # Files of these formats hold no NaN.
+        {name: np.where(np.isfinite(v), v, UNKNOWN) for name, v in attributes.items()},
+    )

@@ -1,0 +1,78 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""A page of this folder in headless Chromium, as a picture; skips where tools are missing."""
+
+import functools
+import http.server
+import shutil
+import subprocess
+import threading
+from pathlib import Path
+from urllib.parse import urlencode
+
+import cv2
+import pytest
+
+WEB = Path(__file__).parent
+MODULES = WEB / "node_modules"
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+
+
+def needs_node():
+    if shutil.which("node") is None or not MODULES.is_dir():
+        pytest.skip("needs Node and its packages: make web-tools")
+
+
+def needs_browser():
+    needs_node()
+    if CHROMIUM is None:
+        pytest.skip("needs Chromium: apt-get install chromium")
+
+
+class Files(http.server.SimpleHTTPRequestHandler):
+    """This folder, and another one below ``/files/``."""
+
+    def __init__(self, *arguments, folder, **options):
+        self.folder = folder
+        super().__init__(*arguments, **options)
+
+    def translate_path(self, path):
+        name = path.split("?")[0].lstrip("/")
+        if name.startswith("files/"):
+            return str(self.folder / name.removeprefix("files/"))
+        return str(WEB / name)
+
+    def log_message(self, *_):
+        pass
+
+
+def shown(page, folder, picture, **query):
+    """The page's (size, size, 3) sRGB picture in [0, 1]; ``files/`` in its query is ``folder``."""
+    needs_browser()
+    size = query["size"]
+    handler = functools.partial(Files, folder=folder)
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        address = f"http://127.0.0.1:{server.server_port}/{page}?{urlencode(query)}"
+        subprocess.run(
+            [
+                CHROMIUM,
+                "--headless",
+                "--no-sandbox",
+                "--use-angle=swiftshader",
+                "--enable-unsafe-swiftshader",
+                "--hide-scrollbars",
+                "--force-color-profile=srgb",
+                f"--window-size={size},{size}",
+                "--virtual-time-budget=60000",
+                f"--screenshot={picture}",
+                address,
+            ],
+            check=True,
+            capture_output=True,
+            timeout=120,
+        )
+        server.shutdown()
+    found = cv2.imread(str(picture))
+    assert found.shape == (size, size, 3)
+    return found[..., ::-1] / 255.0
