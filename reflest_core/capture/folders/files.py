@@ -229,7 +229,7 @@ def resized(info: CameraInfoMessage, size: tuple[int, int]) -> CameraInfoMessage
 
 
 def by_number(folder: Path, pattern: str) -> dict[int, Path]:
-    """Return a folder's files by the number in their names.
+    """Return a folder's files by the number in their names, in its order.
 
     Args:
         folder: It may be missing; then there are none.
@@ -238,7 +238,8 @@ def by_number(folder: Path, pattern: str) -> dict[int, Path]:
     if not folder.is_dir():
         return {}
     matches = ((re.fullmatch(pattern, path.name), path) for path in sorted(folder.iterdir()))
-    return {int(match[1]): path for match, path in matches if match}
+    found = {int(match[1]): path for match, path in matches if match}
+    return dict(sorted(found.items()))
 
 
 ReadImage = Callable[[], AnyImage]

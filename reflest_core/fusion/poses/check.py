@@ -31,6 +31,8 @@ MOST_TURN = math.radians(40.0)
 KEPT_PAIRS = 4
 """Pairs of frames that are kept for trying conventions."""
 MOST_SHARES = 256
+RETRY = 1.5
+"""Conventions are tried again when there are so many times more pairs."""
 
 STEADY = 0.8
 """Consecutive frames must have agreed so well for a jump to stand out."""
@@ -84,7 +86,7 @@ class PoseCheck:
         self._before_jump: DepthSample | None = None
         self._jumps: list[int] = []
         self._was_dropped = False
-        self._judged: tuple[int, str] = (-1, "")
+        self._judged: tuple[int, str] = (0, "")
 
     def add(self, frame: Frame) -> Frame | None:
         """Take the next fused frame.
@@ -180,7 +182,7 @@ class PoseCheck:
         is_unseen = self._out_of_sight > len(self._shares)
         if not is_unseen and middle >= TRIED_SHARE:
             return ""
-        if self._judged[0] != pairs:
+        if pairs >= RETRY * self._judged[0]:
             given = 0.0 if is_unseen else middle
             self._judged = pairs, likely_convention(list(self._apart), given)
         likely = self._judged[1]
