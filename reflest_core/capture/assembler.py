@@ -59,7 +59,12 @@ class FrameAssembler:
         )
 
     def add(self, role: Role, message: SensorMessage) -> list[Frame]:
-        """Take one message; return the frames that it completes, in stamp order."""
+        """Take one message; return the frames that it completes, in stamp order.
+
+        Args:
+            role: the stream of the message.
+            message: as it was received or recorded.
+        """
         return self._frames(self._matcher.add(role, message))
 
     def flush(self) -> list[Frame]:
@@ -72,7 +77,11 @@ class FrameAssembler:
         self._poses.forget_world()
 
     def refuse(self, refusal: FrameRefused) -> None:
-        """Count a refusal, of this stage or of a later one, and tell the listener."""
+        """Count a refusal, of this stage or of a later one, and tell the listener.
+
+        Args:
+            refusal: with its cause and sentence.
+        """
         is_first = self.refusals.add(refusal)
         if self._on_refusal is not None:
             self._on_refusal(refusal, is_first)

@@ -47,6 +47,11 @@ def check_camera_info(
     ROI, then binning are applied as image_geometry does: ``cx`` loses the offset and is divided
     by the binning.
 
+    Args:
+        info: as the driver published it.
+        topic: how sentences name the stream.
+        settings: parameters of the group ``capture``.
+
     Raises:
         FrameRefused: CAMERA_INFO_INVALID, naming the field.
     """

@@ -52,7 +52,11 @@ class MessageSource(Protocol):
     def messages(
         self, refuse: Callable[[FrameRefused], None]
     ) -> Iterator[tuple[Role, SensorMessage]]:
-        """Yield every message; those that cannot be decoded go to ``refuse``."""
+        """Yield every message; those that cannot be decoded go to ``refuse``.
+
+        Args:
+            refuse: called with each message that cannot be used.
+        """
         ...
 
 
@@ -114,7 +118,11 @@ class Capture:
         return self._source.damage
 
     def refuse(self, refusal: FrameRefused) -> None:
-        """Count a frame that a later stage refused."""
+        """Count a frame that a later stage refused.
+
+        Args:
+            refusal: with its cause and sentence.
+        """
         self._assembler.refuse(refusal)
 
     def __iter__(self) -> Iterator[Frame]:

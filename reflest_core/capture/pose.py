@@ -22,6 +22,10 @@ FURTHEST = 1e6  # metres; a position beyond it is garbage, and float32 geometry 
 def check_pose(pose: PoseMessage, topic: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return (position (3,) metres, unit quaternion (4,) xyzw).
 
+    Args:
+        pose: position in metres and quaternion xyzw.
+        topic: how sentences name the stream.
+
     Raises:
         FrameRefused: POSE_INVALID, on NaN, a far-off position or a quaternion that is not unit.
     """
@@ -53,6 +57,12 @@ def pose_at(
     """Return the (4, 4) pose at ``stamp_ns``, between ``before`` and ``after`` (or at either).
 
     Positions are interpolated linearly, rotations along the shorter great arc.
+
+    Args:
+        stamp_ns: nanoseconds.
+        before: the pose at or before the stamp.
+        after: the pose at or after the stamp.
+        topic: how sentences name the stream.
 
     Raises:
         FrameRefused: POSE_INVALID if either pose is.
@@ -86,7 +96,12 @@ def _slerp(
 def rigid_matrix(
     position: NDArray[np.float64], quaternion: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the (4, 4) matrix of a position (3,) and a unit quaternion (4,) xyzw."""
+    """Return the (4, 4) matrix of a position (3,) and a unit quaternion (4,) xyzw.
+
+    Args:
+        position: (3,) metres.
+        quaternion: (4,) unit, xyzw.
+    """
     x, y, z, w = quaternion
     matrix = np.eye(4)
     matrix[:3, :3] = [
@@ -99,7 +114,11 @@ def rigid_matrix(
 
 
 def quaternion_of(rotation: NDArray[np.float64]) -> tuple[float, float, float, float]:
-    """Return the quaternion xyzw of a (3, 3) matrix; NaN where the matrix is not a rotation."""
+    """Return the quaternion xyzw of a (3, 3) matrix; NaN where the matrix is not a rotation.
+
+    Args:
+        rotation: (3, 3) matrix.
+    """
     is_rotation = np.isfinite(rotation).all() and (
         np.abs(rotation @ rotation.T - np.eye(3)).max() < UNIT_TOLERANCE
         and np.linalg.det(rotation) > 0.0
@@ -122,6 +141,10 @@ def quaternion_of(rotation: NDArray[np.float64]) -> tuple[float, float, float, f
 
 def matrix_of_parameter(name: str, values: Sequence[float]) -> NDArray[np.float64]:
     """Return the (4, 4) matrix of a parameter that holds x, y, z and a quaternion x, y, z, w.
+
+    Args:
+        name: of the parameter, for sentences.
+        values: of the parameter.
 
     Raises:
         ParameterError: if it is not seven finite numbers with a unit quaternion.

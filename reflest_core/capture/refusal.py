@@ -63,7 +63,11 @@ class RefusalLog:
         self.first_message: dict[RefusalCause, str] = {}
 
     def add(self, refusal: FrameRefused) -> bool:
-        """Count ``refusal``; return True the first time that its cause occurs."""
+        """Count ``refusal``; return True the first time that its cause occurs.
+
+        Args:
+            refusal: with its cause and sentence.
+        """
         self.counts[refusal.cause] += refusal.count
         is_first = refusal.cause not in self.first_message
         self.first_message.setdefault(refusal.cause, str(refusal))

@@ -37,6 +37,11 @@ class Bag:
     def __init__(self, path: Path, choice: TopicChoice, pose_source: str) -> None:
         """Open the files and settle which topic plays which role.
 
+        Args:
+            path: the file or folder.
+            choice: topics that the user named.
+            pose_source: parameter ``capture.pose_source``.
+
         Raises:
             CaptureError: if nothing can be read, or the topics are missing or ambiguous.
         """
@@ -62,7 +67,11 @@ class Bag:
     def messages(
         self, refuse: Callable[[FrameRefused], None]
     ) -> Iterator[tuple[Role, SensorMessage]]:
-        """Yield every message of the chosen topics; undecodable ones go to ``refuse``."""
+        """Yield every message of the chosen topics; undecodable ones go to ``refuse``.
+
+        Args:
+            refuse: called with each message that cannot be used.
+        """
         roles = {name: role for role, name in self.topics.items()}
         for raw in self._raw_messages(roles):
             if raw.message_type not in READERS:

@@ -41,7 +41,11 @@ class BagFile(Protocol):
         ...
 
     def messages(self, topics: Collection[str]) -> Iterator[RawMessage]:
-        """Yield the messages of some topics in recorded order, up to the end or the damage."""
+        """Yield the messages of some topics in recorded order, up to the end or the damage.
+
+        Args:
+            topics: names of the topics to read.
+        """
         ...
 
 
@@ -58,7 +62,14 @@ def pointer_sentence(path: Path) -> str | None:
 
 
 def damage_sentence(name: str, why: object, first_ns: int | None, last_ns: int | None) -> str:
-    """Say how far a damaged file could be read."""
+    """Say how far a damaged file could be read.
+
+    Args:
+        name: the file.
+        why: what is missing.
+        first_ns: stamp of the first message, nanoseconds; None if unknown.
+        last_ns: stamp of the last message, nanoseconds; None if unknown.
+    """
     reason = str(why) or type(why).__name__
     if first_ns is None or last_ns is None:
         return f"{name} is damaged ({reason}) before its first message"

@@ -33,6 +33,11 @@ TRANSFORMS = "tf2_msgs/msg/TFMessage"
 def read_message(message_type: str, cdr: bytes, topic: str) -> SensorMessage:
     """Return the message in ``cdr``.
 
+    Args:
+        message_type: its ROS type.
+        cdr: the serialised message.
+        topic: how sentences name the stream.
+
     Raises:
         FrameRefused: TRUNCATED, where the bytes end early or make no sense.
     """

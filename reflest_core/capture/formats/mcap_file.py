@@ -51,6 +51,9 @@ class McapFile:
     def __init__(self, path: Path) -> None:
         """Read the summary, or where there is none the whole file once.
 
+        Args:
+            path: the file or folder.
+
         Raises:
             CaptureError: if it is not an MCAP file or holds no message that can be read.
         """
@@ -78,7 +81,11 @@ class McapFile:
         self._index.sort()
 
     def messages(self, topics: Collection[str]) -> Iterator[RawMessage]:
-        """Yield the messages of ``topics`` up to the end or the damage."""
+        """Yield the messages of ``topics`` up to the end or the damage.
+
+        Args:
+            topics: names of the topics to read.
+        """
         waiting: list[tuple[int, int, RawMessage]] = []
         index, count = list(reversed(self._index)), 0
         first = last = None

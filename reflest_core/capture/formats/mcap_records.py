@@ -91,12 +91,19 @@ def _header(stream: IO[bytes], offset: int, end: int) -> tuple[int, int]:
 
 
 def chunk_start_ns(content: bytes) -> int:
-    """Return the log time of a chunk's first message; 0 where it is cut off before that."""
+    """Return the log time of a chunk's first message; 0 where it is cut off before that.
+
+    Args:
+        content: a chunk record.
+    """
     return int.from_bytes(content[:8], "little") if len(content) >= CHUNK_HEADER.size else 0
 
 
 def read_chunk(content: bytes) -> Iterator[Record]:
     """Yield the records in a chunk, up to the place where it is cut off or damaged.
+
+    Args:
+        content: a chunk record.
 
     Raises:
         McapDamage: at that place.

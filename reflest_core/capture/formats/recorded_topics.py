@@ -29,7 +29,11 @@ class CandidateTopic:
 
 
 def without_copies(topics: list[CandidateTopic]) -> list[CandidateTopic]:
-    """Leave out the compressed copies of images that are there raw, or compressed better."""
+    """Leave out the compressed copies of images that are there raw, or compressed better.
+
+    Args:
+        topics: topics of one role.
+    """
     names = {topic.name for topic in topics}
 
     def is_copy(name: str) -> bool:
@@ -43,14 +47,24 @@ def without_copies(topics: list[CandidateTopic]) -> list[CandidateTopic]:
 
 
 def depth_info_topic(candidates: list[CandidateTopic], topics: dict[Role, str]) -> str | None:
-    """The camera_info beside the depth topic, unless it is colour's."""
+    """The camera_info beside the depth topic, unless it is colour's.
+
+    Args:
+        candidates: topics of the recording.
+        topics: the topics chosen so far, by role.
+    """
     infos = [topic for topic in candidates if topic.message_type == CAMERA_INFO]
     beside = info_beside(infos, topics[Role.DEPTH])
     return beside if beside != topics[Role.CAMERA_INFO] else None
 
 
 def info_beside(infos: list[CandidateTopic], image: str) -> str | None:
-    """The camera_info in an image topic's folder, as ROS drivers name it, else None."""
+    """The camera_info in an image topic's folder, as ROS drivers name it, else None.
+
+    Args:
+        infos: ``camera_info`` topics of the recording.
+        image: an image topic.
+    """
     parent = image.rpartition("/")[0]
     # image_transport adds a level: camera/image_raw/compressed belongs to camera/camera_info.
     for folder in (parent, parent.rpartition("/")[0]):
@@ -60,7 +74,11 @@ def info_beside(infos: list[CandidateTopic], image: str) -> str | None:
 
 
 def transform_topics(candidates: list[CandidateTopic]) -> dict[Role, str]:
-    """``/tf`` and ``/tf_static`` where they are; in a namespace, where there is one of each."""
+    """``/tf`` and ``/tf_static`` where they are; in a namespace, where there is one of each.
+
+    Args:
+        candidates: topics of the recording.
+    """
     recorded = [topic.name for topic in candidates if topic.message_type == TRANSFORMS]
     chosen = {}
     for role, name in TRANSFORM_NAMES.items():

@@ -32,6 +32,9 @@ class SqliteFile:
     def __init__(self, path: Path) -> None:
         """Read which messages there are.
 
+        Args:
+            path: the file or folder.
+
         Raises:
             CaptureError: if it is not such a file or holds no message that can be read.
         """
@@ -66,7 +69,11 @@ class SqliteFile:
         return [BagTopic(*self._topics[key], counts[key]) for key in self._topics]
 
     def messages(self, topics: Collection[str]) -> Iterator[RawMessage]:
-        """Yield the messages of ``topics`` by log time, up to the end or the damage."""
+        """Yield the messages of ``topics`` by log time, up to the end or the damage.
+
+        Args:
+            topics: names of the topics to read.
+        """
         wanted = {key for key, (name, _) in self._topics.items() if name in topics}
         first = last = None
         with closing(self._connect()) as database:

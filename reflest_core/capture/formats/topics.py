@@ -52,7 +52,11 @@ class TopicChoice:
     depth_camera_info: str | None = None
 
     def named(self, role: Role) -> str | None:
-        """Return the topic named for ``role``."""
+        """Return the topic named for ``role``.
+
+        Args:
+            role: the stream of the message.
+        """
         name: str | None = getattr(self, role.value)
         return name
 
@@ -61,6 +65,12 @@ def choose_topics(
     candidates: list[CandidateTopic], choice: TopicChoice, capture: str, pose_source: str = "pose"
 ) -> dict[Role, str]:
     """Return the topic of each role; a mask only where one is named, no pose where tf has it.
+
+    Args:
+        candidates: topics of the recording.
+        choice: topics that the user named.
+        capture: how sentences name the recording.
+        pose_source: parameter ``capture.pose_source``.
 
     Raises:
         CaptureError: a topic is missing, of the wrong type or ambiguous; the sentence lists the

@@ -25,6 +25,10 @@ PEEKED = 4096  # bytes in which a header mostly stands
 def decode_compressed_colour(message: CompressedImageMessage, topic: str) -> NDArray[np.uint8]:
     """Return (H, W, 3) uint8 RGB of a jpeg or an 8-bit png.
 
+    Args:
+        message: as it was received or recorded.
+        topic: how sentences name the stream.
+
     Raises:
         FrameRefused: ENCODING, SIZE or TRUNCATED.
     """
@@ -41,6 +45,10 @@ def decode_compressed_depth(
     message: CompressedImageMessage, topic: str
 ) -> NDArray[np.uint16] | NDArray[np.float32]:
     """Return (H, W) uint16 units, or float32 metres where the message says ``32FC1``.
+
+    Args:
+        message: as it was received or recorded.
+        topic: how sentences name the stream.
 
     Raises:
         FrameRefused: ENCODING, SIZE or TRUNCATED.
@@ -98,6 +106,10 @@ def _rvl_units(data: bytes, message: CompressedImageMessage, topic: str) -> NDAr
 
 def decode_compressed_mask(message: CompressedImageMessage, topic: str) -> NDArray[np.uint8]:
     """Return (H, W) uint8 of an 8-bit single-channel png (jpeg would blur the outline).
+
+    Args:
+        message: as it was received or recorded.
+        topic: how sentences name the stream.
 
     Raises:
         FrameRefused: ENCODING, SIZE or TRUNCATED.

@@ -29,7 +29,11 @@ class CompressedHeader:
 
 
 def read_header(data: bytes) -> CompressedHeader | None:
-    """Return the header of a jpeg or png, or None where ``data`` starts as neither."""
+    """Return the header of a jpeg or png, or None where ``data`` starts as neither.
+
+    Args:
+        data: the encoded image.
+    """
     if data.startswith(PNG_MAGIC):
         return _read_png(data)
     if data.startswith(JPEG_MAGIC):

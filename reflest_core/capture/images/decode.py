@@ -48,6 +48,10 @@ SATURATED = 65535  # in 16-bit depth: "further than I can count", or Kinect's "u
 def decode_colour(message: AnyImage, topic: str) -> NDArray[np.uint8]:
     """Return (H, W, 3) uint8, 8-bit sRGB, red first.
 
+    Args:
+        message: as it was received or recorded.
+        topic: how sentences name the stream.
+
     Raises:
         FrameRefused: ENCODING, SIZE or TRUNCATED.
     """
@@ -98,6 +102,10 @@ def decode_depth(
 
 def decode_mask(message: AnyImage, topic: str) -> NDArray[np.bool_]:
     """Return (H, W) bool, True where the mask is not 0.
+
+    Args:
+        message: as it was received or recorded.
+        topic: how sentences name the stream.
 
     Raises:
         FrameRefused: ENCODING, SIZE or TRUNCATED.

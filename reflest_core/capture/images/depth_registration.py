@@ -27,6 +27,12 @@ def register_depth(
     (4, 4), the depth camera's optical frame in the colour camera's. A depth pixel covers the
     upright box around its projected corners; where several cover a pixel, the nearest hides the
     others. 0 where none does.
+
+    Args:
+        depth: (H, W) float32, metres, 0 where unknown.
+        depth_camera: intrinsics of the depth image.
+        T_colour_depth: (4, 4) the depth camera in the colour camera.
+        colour_camera: intrinsics of the colour image.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         turned = colour_camera.matrix @ T_colour_depth[:3, :3] @ np.linalg.inv(depth_camera.matrix)

@@ -34,18 +34,30 @@ class Rectifier:
         self._columns, self._rows = maps
 
     def colour(self, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """Return (H, W, 3) uint8, bilinear; pixels from outside the image repeat its edge."""
+        """Return (H, W, 3) uint8, bilinear; pixels from outside the image repeat its edge.
+
+        Args:
+            rgb: (H, W, 3) uint8, distorted.
+        """
         mapped = cv2.remap(
             rgb, self._columns, self._rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
         )
         return np.asarray(mapped, dtype=np.uint8)
 
     def depth(self, depth: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return (H, W) float32, nearest neighbour (a mean across an edge is no surface)."""
+        """Return (H, W) float32, nearest neighbour (a mean across an edge is no surface).
+
+        Args:
+            depth: (H, W) float32, metres, distorted.
+        """
         return np.asarray(self._nearest(depth), dtype=np.float32)
 
     def mask(self, mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Return (H, W) bool, nearest neighbour; False outside."""
+        """Return (H, W) bool, nearest neighbour; False outside.
+
+        Args:
+            mask: (H, W) bool, distorted.
+        """
         return np.asarray(self._nearest(mask.astype(np.uint8)), dtype=np.bool_)
 
     def _nearest(self, image: NDArray[np.uint8] | NDArray[np.float32]) -> NDArray[np.generic]:
@@ -92,6 +104,9 @@ class CheckedCamera:
 
     def of(self, info: CameraInfoMessage) -> tuple[CalibratedCamera, Rectifier | None]:
         """Return the camera and what takes its distortion out, None where it has none.
+
+        Args:
+            info: as the driver published it.
 
         Raises:
             FrameRefused: CAMERA_INFO_INVALID.

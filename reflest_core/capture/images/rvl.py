@@ -19,7 +19,13 @@ LONGEST_NUMBER = 11  # groups in a 32-bit number
 
 
 def decode_rvl(data: bytes, height: int, width: int) -> NDArray[np.uint16] | None:
-    """Return the (height, width) uint16 image in ``data``, or None where it ends early or lies."""
+    """Return the (height, width) uint16 image in ``data``, or None where it ends early or lies.
+
+    Args:
+        data: the bytes after the header.
+        height: pixels.
+        width: pixels.
+    """
     words = np.frombuffer(data[: len(data) // 4 * 4], dtype="<u4").astype(np.uint32)
     pixels = np.zeros(height * width, np.uint16)
     return pixels.reshape(height, width) if _unpack(words, pixels) else None

@@ -34,6 +34,9 @@ class CameraPoses:
     def of(self, match: Match) -> NDArray[np.float64]:
         """Return ``T_world_camera`` (4, 4) at the colour image's stamp.
 
+        Args:
+            match: messages of one frame.
+
         Raises:
             FrameRefused: POSE_INVALID, or FRAME_MISMATCH where the pose is of another frame or in
                 another world.

@@ -46,7 +46,12 @@ class Inbox:
         self._refusals = MatchRefusals(topics)
 
     def add(self, role: Role, message: SensorMessage) -> None:
-        """Let a message wait, or refuse it by its stamp."""
+        """Let a message wait, or refuse it by its stamp.
+
+        Args:
+            role: the stream of the message.
+            message: as it was received or recorded.
+        """
         if isinstance(message, TransformsMessage):
             is_static = role is Role.TF_STATIC
             for refusal in self._transforms.add(message, is_static, self._topics[role]):
@@ -59,11 +64,19 @@ class Inbox:
             self.queues[role].push(message.stamp_ns, message)
 
     def waiting(self, role: Role) -> StampedQueue[SensorMessage] | Calibrations:
-        """What waits of a role other than the transforms."""
+        """What waits of a role other than the transforms.
+
+        Args:
+            role: the stream of the message.
+        """
         return self.infos[role] if role in self.infos else self.queues[role]
 
     def forget_before(self, stamp_ns: int) -> None:
-        """Drop the partners that no later colour image can ask for."""
+        """Drop the partners that no later colour image can ask for.
+
+        Args:
+            stamp_ns: nanoseconds.
+        """
         for role in (*self.queues, *self.infos):
             if role is not Role.RGB:
                 self.waiting(role).forget_before(stamp_ns)

@@ -22,7 +22,13 @@ class MatchRefusals:
         self._topics = topics
 
     def missing(self, role: Role, rgb: AnyImage, why: str) -> FrameRefused:
-        """A colour image has no partner of ``role``."""
+        """A colour image has no partner of ``role``.
+
+        Args:
+            role: the stream of the message.
+            rgb: a colour image, whose stamp counts.
+            why: what is missing, as a clause.
+        """
         return FrameRefused(
             MISSING[role],
             f"no message on {self._topics[role]} ({role.value}) matches the colour image at "
@@ -30,7 +36,12 @@ class MatchRefusals:
         )
 
     def negative(self, role: Role, stamp_ns: int) -> FrameRefused:
-        """A stamp lies before 1970."""
+        """A stamp lies before 1970.
+
+        Args:
+            role: the stream of the message.
+            stamp_ns: nanoseconds.
+        """
         return FrameRefused(
             RefusalCause.STAMP_INVALID,
             f"{self._topics[role]} has the negative stamp {_seconds(stamp_ns)}: see that its "
@@ -38,7 +49,13 @@ class MatchRefusals:
         )
 
     def late(self, role: Role, stamp_ns: int, latest_ns: int) -> FrameRefused:
-        """A stamp does not come after the topic's last one."""
+        """A stamp does not come after the topic's last one.
+
+        Args:
+            role: the stream of the message.
+            stamp_ns: nanoseconds.
+            latest_ns: the latest stamp before, nanoseconds.
+        """
         return FrameRefused(
             RefusalCause.TIME_BACKWARDS,
             f"{self._topics[role]} at {_seconds(stamp_ns)} does not come after "
@@ -47,7 +64,12 @@ class MatchRefusals:
         )
 
     def before_jump(self, role: Role, stamp_ns: int) -> FrameRefused:
-        """A message of before a clock jump came, or still waited, after it."""
+        """A message of before a clock jump came, or still waited, after it.
+
+        Args:
+            role: the stream of the message.
+            stamp_ns: nanoseconds.
+        """
         return FrameRefused(
             RefusalCause.TIME_BACKWARDS,
             f"{self._topics[role]} at {_seconds(stamp_ns)} is dropped: the clock went back before "
@@ -55,7 +77,13 @@ class MatchRefusals:
         )
 
     def was_ahead(self, role: Role, ahead_ns: int, stamp_ns: int) -> FrameRefused:
-        """One topic's stamp was ahead of its later ones."""
+        """One topic's stamp was ahead of its later ones.
+
+        Args:
+            role: the stream of the message.
+            ahead_ns: how far it was ahead, nanoseconds.
+            stamp_ns: nanoseconds.
+        """
         return FrameRefused(
             RefusalCause.TIME_BACKWARDS,
             f"{self._topics[role]} went from {_seconds(ahead_ns)} back to {_seconds(stamp_ns)}, "
@@ -63,7 +91,14 @@ class MatchRefusals:
         )
 
     def clock_jump(self, role: Role, latest_ns: int, stamp_ns: int, bound: float) -> FrameRefused:
-        """All stamps start again."""
+        """All stamps start again.
+
+        Args:
+            role: the stream of the message.
+            latest_ns: the latest stamp before, nanoseconds.
+            stamp_ns: nanoseconds.
+            bound: parameter ``capture.clock_jump``, seconds.
+        """
         return FrameRefused(
             RefusalCause.CLOCK_JUMP,
             f"the clock jumped back from {_seconds(latest_ns)} to {_seconds(stamp_ns)}, first on "
@@ -73,7 +108,13 @@ class MatchRefusals:
         )
 
     def never_came(self, role: Role, absent: Role, size: int) -> FrameRefused:
-        """A queue is full and its partner has never sent anything."""
+        """A queue is full and its partner has never sent anything.
+
+        Args:
+            role: the stream of the message.
+            absent: the stream that never came.
+            size: messages that wait.
+        """
         return FrameRefused(
             MISSING.get(absent, RefusalCause.QUEUE_FULL),
             f"{size} messages on {self._topics[role]} wait and the oldest is dropped: nothing has "
@@ -81,7 +122,14 @@ class MatchRefusals:
         )
 
     def lags(self, role: Role, behind: Role, reached_ns: int, size: int) -> FrameRefused:
-        """A queue is full and its partner has not come as far."""
+        """A queue is full and its partner has not come as far.
+
+        Args:
+            role: the stream of the message.
+            behind: the stream that lags.
+            reached_ns: how far that stream has come, nanoseconds.
+            size: messages that wait.
+        """
         return FrameRefused(
             RefusalCause.QUEUE_FULL,
             f"{size} messages on {self._topics[role]} wait and the oldest is dropped: "

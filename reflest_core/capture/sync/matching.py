@@ -73,7 +73,12 @@ class Matcher:
         self._inbox.reset()
 
     def add(self, role: Role, message: SensorMessage) -> list[Match]:
-        """Take one message; return the matches that it completes, in stamp order."""
+        """Take one message; return the matches that it completes, in stamp order.
+
+        Args:
+            role: the stream of the message.
+            message: as it was received or recorded.
+        """
         self._inbox.add(role, message)
         return self._settle(is_closed=False) + self._shorten(role)
 

@@ -16,11 +16,19 @@ class PoseSource(Protocol):
     """Answers for one image at a time, in stamp order."""
 
     def has_reached(self, rgb: AnyImage) -> bool:
-        """Whether no later message can change the image's pose."""
+        """Whether no later message can change the image's pose.
+
+        Args:
+            rgb: a colour image, whose stamp counts.
+        """
         ...
 
     def around(self, rgb: AnyImage) -> tuple[PoseMessage, PoseMessage]:
-        """Return the poses to interpolate between; raises :class:`FrameRefused`."""
+        """Return the poses to interpolate between; raises :class:`FrameRefused`.
+
+        Args:
+            rgb: a colour image, whose stamp counts.
+        """
         ...
 
 
@@ -33,11 +41,19 @@ class TopicPoses:
         self._longest_gap = longest_gap
 
     def has_reached(self, rgb: AnyImage) -> bool:
-        """Whether a pose at or after the image has come."""
+        """Whether a pose at or after the image has come.
+
+        Args:
+            rgb: a colour image, whose stamp counts.
+        """
         return self._queue.has_reached(rgb.stamp_ns)
 
     def around(self, rgb: AnyImage) -> tuple[PoseMessage, PoseMessage]:
-        """Return the pose before and the pose after; raises POSE_MISSING."""
+        """Return the pose before and the pose after; raises POSE_MISSING.
+
+        Args:
+            rgb: a colour image, whose stamp counts.
+        """
         before, after = self._queue.bracket(rgb.stamp_ns)
         if before is None or after is None:
             side = "before" if before is None else "after"
@@ -68,13 +84,21 @@ class TransformPoses:
         self._rgb_topic = rgb_topic
 
     def has_reached(self, rgb: AnyImage) -> bool:
-        """Whether every transform on the way is known up to the image."""
+        """Whether every transform on the way is known up to the image.
+
+        Args:
+            rgb: a colour image, whose stamp counts.
+        """
         return not rgb.frame_id or self._transforms.has_reached(
             self._world_frame, rgb.frame_id, rgb.stamp_ns
         )
 
     def around(self, rgb: AnyImage) -> tuple[PoseMessage, PoseMessage]:
-        """Return the pose at the image's stamp, twice; raises TRANSFORM_MISSING."""
+        """Return the pose at the image's stamp, twice; raises TRANSFORM_MISSING.
+
+        Args:
+            rgb: a colour image, whose stamp counts.
+        """
         if not rgb.frame_id:
             raise FrameRefused(
                 RefusalCause.TRANSFORM_MISSING,

@@ -26,7 +26,12 @@ class StampedQueue(Generic[T]):
         return len(self._stamps)
 
     def push(self, stamp_ns: int, message: T) -> None:
-        """Append a message; its stamp must come after ``latest``."""
+        """Append a message; its stamp must come after ``latest``.
+
+        Args:
+            stamp_ns: nanoseconds.
+            message: as it was received or recorded.
+        """
         self._stamps.append(stamp_ns)
         self._messages.append(message)
         self.latest = stamp_ns
@@ -47,11 +52,19 @@ class StampedQueue(Generic[T]):
         return self._messages[-1]
 
     def has_reached(self, stamp_ns: int) -> bool:
-        """Whether a message at or after ``stamp_ns`` was ever pushed."""
+        """Whether a message at or after ``stamp_ns`` was ever pushed.
+
+        Args:
+            stamp_ns: nanoseconds.
+        """
         return self.latest is not None and self.latest >= stamp_ns
 
     def nearest(self, stamp_ns: int) -> T | None:
-        """Return the message nearest in stamp (the earlier of two as near), None when empty."""
+        """Return the message nearest in stamp (the earlier of two as near), None when empty.
+
+        Args:
+            stamp_ns: nanoseconds.
+        """
         after = bisect_left(self._stamps, stamp_ns)
         around = [index for index in (after - 1, after) if 0 <= index < len(self._stamps)]
         if not around:
@@ -59,7 +72,11 @@ class StampedQueue(Generic[T]):
         return self._messages[min(around, key=lambda index: abs(self._stamps[index] - stamp_ns))]
 
     def bracket(self, stamp_ns: int) -> tuple[T | None, T | None]:
-        """Return the last message at or before and the first at or after ``stamp_ns``."""
+        """Return the last message at or before and the first at or after ``stamp_ns``.
+
+        Args:
+            stamp_ns: nanoseconds.
+        """
         before = bisect_right(self._stamps, stamp_ns) - 1
         after = bisect_left(self._stamps, stamp_ns)
         return (
@@ -74,7 +91,11 @@ class StampedQueue(Generic[T]):
         return waiting
 
     def forget_before(self, stamp_ns: int) -> None:
-        """Drop what no later stamp can ask for: all before the last message at or before it."""
+        """Drop what no later stamp can ask for: all before the last message at or before it.
+
+        Args:
+            stamp_ns: nanoseconds.
+        """
         keep_from = max(bisect_right(self._stamps, stamp_ns) - 1, 0)
         del self._stamps[:keep_from], self._messages[:keep_from]
 
@@ -94,7 +115,11 @@ class Calibrations:
         return self._infos[-1].stamp_ns if self._infos else None
 
     def is_known(self, info: CameraInfoMessage) -> bool:
-        """Whether ``info`` says what the last one said; if earlier, that was in force earlier."""
+        """Whether ``info`` says what the last one said; if earlier, that was in force earlier.
+
+        Args:
+            info: as the driver published it.
+        """
         if not self._infos or replace(info, stamp_ns=self._infos[-1].stamp_ns) != self._infos[-1]:
             return False
         if info.stamp_ns < self._infos[-1].stamp_ns:
@@ -103,7 +128,11 @@ class Calibrations:
         return True
 
     def add(self, info: CameraInfoMessage) -> None:
-        """Take a change; its stamp must come after ``latest``."""
+        """Take a change; its stamp must come after ``latest``.
+
+        Args:
+            info: as the driver published it.
+        """
         self._infos.append(info)
 
     @property
@@ -116,14 +145,22 @@ class Calibrations:
         return self._infos.pop(0)
 
     def at(self, stamp_ns: int) -> CameraInfoMessage | None:
-        """The calibration in force: the last at or before the stamp, else the first after it."""
+        """The calibration in force: the last at or before the stamp, else the first after it.
+
+        Args:
+            stamp_ns: nanoseconds.
+        """
         if not self._infos:
             return None
         after = bisect_right(self._infos, stamp_ns, key=lambda info: info.stamp_ns)
         return self._infos[max(after - 1, 0)]
 
     def forget_before(self, stamp_ns: int) -> None:
-        """Drop all before the one in force at the stamp."""
+        """Drop all before the one in force at the stamp.
+
+        Args:
+            stamp_ns: nanoseconds.
+        """
         after = bisect_right(self._infos, stamp_ns, key=lambda info: info.stamp_ns)
         del self._infos[: max(after - 1, 0)]
 

@@ -33,7 +33,11 @@ class StampClock:
         self._suspect: tuple[Role, int] | None = None
 
     def latest(self, role: Role) -> int | None:
-        """The last stamp that was taken on a topic, ns."""
+        """The last stamp that was taken on a topic, ns.
+
+        Args:
+            role: the stream of the message.
+        """
         return self._latest.get(role)
 
     def reset(self) -> None:
@@ -41,7 +45,12 @@ class StampClock:
         self._latest, self._before_jump, self._suspect = {}, {}, None
 
     def take(self, role: Role, stamp_ns: int) -> StampVerdict:
-        """Judge the next stamp of a topic and remember it unless it is refused."""
+        """Judge the next stamp of a topic and remember it unless it is refused.
+
+        Args:
+            role: the stream of the message.
+            stamp_ns: nanoseconds.
+        """
         verdict = self._judge(role, stamp_ns)
         if verdict is StampVerdict.CLOCK_JUMPED:
             self._before_jump = self._latest

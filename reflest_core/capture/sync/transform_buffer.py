@@ -31,7 +31,13 @@ class TransformBuffer:
         self._tracks: dict[str, TransformTrack] = {}
 
     def add(self, message: TransformsMessage, is_static: bool, topic: str) -> list[FrameRefused]:
-        """Take what is right in a message; return a TRANSFORM_INVALID for each that is not."""
+        """Take what is right in a message; return a TRANSFORM_INVALID for each that is not.
+
+        Args:
+            message: as it was received or recorded.
+            is_static: whether they hold for all times.
+            topic: how sentences name the stream.
+        """
         refusals = []
         for transform in message.transforms:
             try:
@@ -41,7 +47,11 @@ class TransformBuffer:
         return refusals
 
     def forget_after(self, stamp_ns: int) -> None:
-        """Forget what moves and has come past a stamp, as after a clock jump."""
+        """Forget what moves and has come past a stamp, as after a clock jump.
+
+        Args:
+            stamp_ns: nanoseconds.
+        """
         self._tracks = {
             name: track
             for name, track in self._tracks.items()
@@ -49,7 +59,13 @@ class TransformBuffer:
         }
 
     def has_reached(self, target: str, source: str, stamp_ns: int) -> bool:
-        """Whether no later message can change :meth:`matrix`."""
+        """Whether no later message can change :meth:`matrix`.
+
+        Args:
+            target: frame to transform to.
+            source: frame to transform from.
+            stamp_ns: nanoseconds.
+        """
         path = self._path(target, source)
         return path is not None and all(
             self._tracks[frame].has_reached(stamp_ns) for frame in (*path[0], *path[1])
@@ -57,6 +73,11 @@ class TransformBuffer:
 
     def matrix(self, target: str, source: str, stamp_ns: int) -> NDArray[np.float64]:
         """Return ``T_target_source`` (4, 4): points in ``source`` to points in ``target``.
+
+        Args:
+            target: frame to transform to.
+            source: frame to transform from.
+            stamp_ns: nanoseconds.
 
         Raises:
             FrameRefused: TRANSFORM_MISSING, naming the frame that is not known at the stamp.
@@ -68,7 +89,13 @@ class TransformBuffer:
         return np.asarray(np.linalg.inv(to_target) @ to_source)
 
     def pose(self, world: str, frame: str, stamp_ns: int) -> PoseMessage:
-        """Return the pose of ``frame`` in ``world`` as a message; raises as :meth:`matrix`."""
+        """Return the pose of ``frame`` in ``world`` as a message; raises as :meth:`matrix`.
+
+        Args:
+            world: world frame.
+            frame: frame whose pose is asked for.
+            stamp_ns: nanoseconds.
+        """
         matrix = self.matrix(world, frame, stamp_ns)
         x, y, z = matrix[:3, 3].tolist()
         return PoseMessage(stamp_ns, world, (x, y, z), quaternion_of(matrix[:3, :3]), frame)

@@ -28,7 +28,11 @@ class TransformTrack:
         self.add(first)
 
     def add(self, transform: PoseMessage) -> None:
-        """Take the next pose; one that is late is left out, one far back starts anew."""
+        """Take the next pose; one that is late is left out, one far back starts anew.
+
+        Args:
+            transform: of one pair of frames.
+        """
         queue, stamp_ns = self._queue, transform.stamp_ns
         if self.is_static or (
             queue.latest is not None and stamp_ns <= queue.latest - self._jump_ns
@@ -41,16 +45,28 @@ class TransformTrack:
             queue.pop_oldest()
 
     def is_at(self, transform: PoseMessage) -> bool:
-        """Whether a transform is the last one again, in the same parent, but for rounding."""
+        """Whether a transform is the last one again, in the same parent, but for rounding.
+
+        Args:
+            transform: of one pair of frames.
+        """
         last = self._queue.newest
         return transform.frame_id == self.parent and _is_same(last, transform)
 
     def has_reached(self, stamp_ns: int) -> bool:
-        """Whether no later message can change the pose at the stamp."""
+        """Whether no later message can change the pose at the stamp.
+
+        Args:
+            stamp_ns: nanoseconds.
+        """
         return self.is_static or self._queue.has_reached(stamp_ns)
 
     def matrix_at(self, stamp_ns: int, longest_gap: float) -> NDArray[np.float64]:
         """Return ``T_parent_child`` (4, 4).
+
+        Args:
+            stamp_ns: nanoseconds.
+            longest_gap: seconds between two transforms that are interpolated at most.
 
         Raises:
             FrameRefused: TRANSFORM_MISSING where the poses do not enclose the stamp closely.
