@@ -9,7 +9,13 @@ import sys
 from rclpy.experimental import EventsExecutor
 
 from reflest_core.errors import ReflestError
-from reflest_ros.process import avoid_pauses, ignore_signals, limit_clean_up, ros_process
+from reflest_ros.process import (
+    avoid_pauses,
+    give_back_memory,
+    ignore_signals,
+    limit_clean_up,
+    ros_process,
+)
 from reflest_ros.threads import Spinning
 
 
@@ -22,6 +28,7 @@ def main(args: list[str] | None = None) -> int:
     Returns:
         0 after a signal, 2 for a user's mistake, 1 after an internal error.
     """
+    give_back_memory()
     try:
         with ros_process(args):
             return _run_node()

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import threading
 import traceback
 from collections.abc import Callable, Iterator
@@ -257,6 +258,8 @@ class EstimatorNode(LifecycleNode):
             self._diagnostics.watch(None)
             session.close()
             self.offered.withdraw()
+            del session
+            gc.collect()  # its arrays hang in cycles, which Python would keep for many sessions
 
     @property
     def _configured(self) -> ScanSession:

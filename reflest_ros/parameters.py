@@ -28,7 +28,16 @@ from reflest_core.fusion.settings import RegionSettings
 from reflest_core.parameter import ParameterError, ParameterInfo, info_of
 from reflest_ros.settings import NodeSettings
 
-LIVE_GROUPS = ("preview", "voxels", "environment", "markers", "region", "keyframe", "estimation")
+LIVE_GROUPS = (
+    "preview",
+    "voxels",
+    "environment",
+    "markers",
+    "materials",
+    "region",
+    "keyframe",
+    "estimation",
+)
 """Groups that take effect while the node runs."""
 
 START_GROUPS = ("files", "lifecycle", "autosave")

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import gc
 import os
 import signal
@@ -22,6 +23,9 @@ HAND_OVER = 0.001
 
 CLEAN_UP_LIMIT = 20.0
 """Seconds that the clean-up may take after a signal; the process is then ended as it is."""
+
+M_MMAP_THRESHOLD, LARGE_ARRAY = -3, 4 << 20
+"""``mallopt``'s parameter, and bytes: above those of an image, below those of a scan's arrays."""
 
 KILLED = 3
 """Exit code of a process whose clean-up took too long."""
@@ -86,6 +90,16 @@ def limit_clean_up(seconds: float = CLEAN_UP_LIMIT) -> None:
     timer = threading.Timer(seconds, end)
     timer.daemon = True
     timer.start()
+
+
+def give_back_memory() -> None:
+    """Make glibc return large arrays to the system when they are freed.
+
+    By default it stops doing so once one has been freed: the arrays of the next scan then come from
+    heaps that only grow, with every page touched. Other C libraries have no such setting.
+    """
+    with contextlib.suppress(AttributeError, OSError):
+        ctypes.CDLL(None).mallopt(M_MMAP_THRESHOLD, LARGE_ARRAY)
 
 
 def avoid_pauses() -> None:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -22,15 +23,20 @@ from reflest_core.fusion.settings import RegionSettings
 from reflest_ros.inputs.silence import ClockWatch
 from reflest_ros.inputs.subscriptions import Inputs
 from reflest_ros.outputs.estimate_output import EstimateOutput
+from reflest_ros.outputs.material_output import MaterialRequest
 from reflest_ros.parameters import set_region_parameters
 from reflest_ros.services.estimate_services import EstimateServices
 from reflest_ros.services.file_access import FileAccess
+from reflest_ros.services.material_services import MaterialServices
 from reflest_ros.services.node_services import NodeServices
 from reflest_ros.services.scan_services import ScanServices
 from reflest_ros.settings import NodeSettings
 from reflest_ros.workers.autosave import Autosave
 from reflest_ros.workers.estimation_worker import EstimationWorker
 from reflest_ros.workers.fusion_worker import FusionWorker, Keyframe
+
+MATERIAL_VOXELS = 50_000
+"""Voxels of which materials are estimated; a larger scan is thinned evenly."""
 
 
 class OfferingNode(Protocol):
@@ -92,7 +98,9 @@ class ScanSession:
             )
             self.output = EstimateOutput(node)
             on_failure.callback(self.output.destroy)
-            self.estimation = EstimationWorker(self.scanner.estimate, self.output, on_crash)
+            self.estimation = EstimationWorker(
+                self.scanner.estimate, self.output, on_crash, self._materials
+            )
             self.fusion = FusionWorker(
                 self.assembler,
                 self.scanner,
@@ -106,6 +114,7 @@ class ScanSession:
             on_failure.pop_all()
         pools = node.offered
         ScanServices(node, self, files, pools)
+        MaterialServices(pools.quick, self.output.materials)
         EstimateServices(pools.work, files, self.fusion, self.estimation)
         self._clock_watch = ClockWatch(node, settings.capture.clock_jump, self._ros_clock_jumped)
         self.estimation.start()
@@ -175,6 +184,7 @@ class ScanSession:
         def put_to_use() -> None:
             if use_estimation is not None:
                 use_estimation()
+                gc.collect()  # the old network's arrays hang in cycles
             if settings.keyframe != self._settings.keyframe:
                 policy = KeyframePolicy(settings.keyframe)
                 self.fusion.call_now(lambda: setattr(self.scanner, "keyframes", policy))
@@ -183,6 +193,28 @@ class ScanSession:
             self._settings = settings
 
         return put_to_use
+
+    def _materials(self) -> Callable[[], None] | None:
+        """Estimate all materials of the scan as it is now; return what publishes them."""
+        output = self.output.materials
+        if not output.is_wanted:
+            return None
+        try:
+            request = self.fusion.call_now(self._material_request).result()
+            found = self.scanner.materials(request.snapshot)
+        except Exception as error:
+            output.fail(error)
+            return None
+        return lambda: output.publish(request, found)
+
+    def _material_request(self) -> MaterialRequest:
+        """Copy what materials are made of; in the fusion thread."""
+        return MaterialRequest(
+            self.scanner.snapshot(MATERIAL_VOXELS),
+            self.fusion.last_frame,
+            self.scanner.scan.fusion.voxel_size,
+            time.monotonic(),
+        )
 
     def _set_region(self, region: RegionSettings) -> None:
         self.fusion.forget_messages()

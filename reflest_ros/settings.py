@@ -10,6 +10,7 @@ from reflest_core.parameter import check_parameters, parameter
 from reflest_ros.outputs.view_settings import (
     EnvironmentSettings,
     MarkerSettings,
+    MaterialSettings,
     PreviewSettings,
     VoxelSettings,
 )
@@ -169,3 +170,4 @@ class NodeSettings:
     voxels: VoxelSettings = field(default_factory=VoxelSettings)
     environment: EnvironmentSettings = field(default_factory=EnvironmentSettings)
     markers: MarkerSettings = field(default_factory=MarkerSettings)
+    materials: MaterialSettings = field(default_factory=MaterialSettings)

@@ -4,12 +4,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
 from typing import TypeVar
 
 from rclpy.executors import Executor
+from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
+
+InvalidHandle: type[Exception] = _rclpy.InvalidHandle
 
 LONGEST_WAIT = 0.5
 """Seconds; the executor is woken at the end, this only bounds what a missed call would cost."""
@@ -90,4 +94,6 @@ class Spinning:
 
     def _spin(self) -> None:
         while not self._is_ending.is_set():
-            self._executor.spin_once(timeout_sec=LONGEST_WAIT)
+            # An event may still be queued of what another thread has destroyed meanwhile.
+            with contextlib.suppress(InvalidHandle):
+                self._executor.spin_once(timeout_sec=LONGEST_WAIT)

@@ -26,6 +26,7 @@ NODE_GROUPS = (
     "voxels",
     "environment",
     "markers",
+    "materials",
 )
 """Groups that the ROS node has beside these; its parameter files hold both."""
 

@@ -37,6 +37,20 @@ OUTPUTS = {
         "the cameras of the keyframes, newest brightest (`keyframes`), the region of interest "
         "(`region`)."
     ),
+    "/reflectance/materials": (
+        "Every material of the scan in falling order of area, under one light; see "
+        "`materials.when`. Empty after a reset. Its fields are below."
+    ),
+    "/reflectance/material_cloud": (
+        "The observed surface in the world frame, metres: `x y z`, `normal_x normal_y normal_z`, "
+        "`rho_d_r rho_d_g rho_d_b` of each voxel (linear sRGB), `rho_s`, `alpha`, a standard "
+        "deviation of each (`..._stddev`), `material_id` (0: of no material), and `rgb`, the "
+        "colour of the material's label."
+    ),
+    "/reflectance/material_markers": (
+        "A text at each material: id, `rho_s`, `alpha` and status, in the colour of its label."
+    ),
+    "/reflectance/overlay": "The labels of the materials drawn over the last image, `rgb8`.",
     "/diagnostics": "One status each `input.diagnostics_period`; its keys are below.",
 }
 """Published topics, by their full names."""
@@ -60,6 +74,14 @@ DIAGNOSTICS = {
     "estimates": "Estimates published.",
     "last estimate's age (s)": "Since its publication; nan before the first.",
     "last estimate's latency (s)": "From its image's arrival, or the request, to its publication.",
+    "material maps": "Maps published on /reflectance/materials.",
+    "materials": "Materials of the last one.",
+    "last material map's duration (s)": "From request to publication; nan before the first.",
+    "last reason for no materials": "Why the last map could not be made; empty where it could.",
+    "depth agreement": (
+        "Share of a keyframe's depth that meets the next one's under the given poses; nan before "
+        "the second."
+    ),
     "voxels": "Surface voxels in the store.",
     "observations": "Observations in the store.",
     "views": "Views in the store.",

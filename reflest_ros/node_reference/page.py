@@ -35,6 +35,8 @@ without one. This page is written by `python -m reflest_ros.node_reference > doc
 code and from a node that runs; a test compares the two.
 """
 
+MESSAGES = ("BrdfEstimate", "MaterialMap", "Material")
+
 VIEWS = """\
 Preview, voxels, environment and markers are made at keyframes and on `~/estimate`, outside the
 fusion thread, and only where someone subscribes; a late subscriber gets the last keyframe at once.
@@ -61,7 +63,7 @@ def page(facts: NodeFacts) -> str:
         _inputs(),
         _outputs(facts),
         VIEWS,
-        _estimate_message(),
+        *(_message(name) for name in MESSAGES),
         _services(facts),
         _parameters(),
         _diagnostics(facts),
@@ -107,9 +109,9 @@ def _outputs(facts: NodeFacts) -> str:
     return "## Topics out\n\n" + _table(("topic", "type", "QoS offered", "what"), rows)
 
 
-def _estimate_message() -> str:
-    (section,) = read_interface(ROOT / "msg" / "BrdfEstimate.msg")
-    return f"## reflest_ros/msg/BrdfEstimate\n\n{section.comment}\n\n" + _fields(section)
+def _message(name: str) -> str:
+    (section,) = read_interface(ROOT / "msg" / f"{name}.msg")
+    return f"## reflest_ros/msg/{name}\n\n{section.comment}\n\n" + _fields(section)
 
 
 def _services(facts: NodeFacts) -> str:

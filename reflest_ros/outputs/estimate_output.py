@@ -22,6 +22,7 @@ from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
 from reflest_ros.outputs.environment import Environment
 from reflest_ros.outputs.estimate_message import estimate_to_message, unknown_message
 from reflest_ros.outputs.markers import Markers
+from reflest_ros.outputs.material_output import MaterialOutput
 from reflest_ros.outputs.preview import Preview
 from reflest_ros.outputs.voxel_cloud import VoxelCloud
 from reflest_ros.workers.fusion_worker import Keyframe
@@ -69,7 +70,12 @@ class EstimateCounts:
 
 
 class EstimateOutput:
-    """Publishes estimates; the estimation worker runs one of its methods at a time."""
+    """Publishes estimates; the estimation worker runs one of its methods at a time.
+
+    Attributes:
+        counts: Counters for the diagnostics.
+        materials: Publishes the materials.
+    """
 
     def __init__(self, node: Node) -> None:
         """Create the publishers; late subscribers find an estimate that is unknown.
@@ -82,6 +88,7 @@ class EstimateOutput:
         self._failed_views: set[str] = set()
         self._views = [view(node) for view in VIEWS]
         self._publisher = node.create_publisher(BrdfEstimateMessage, "reflectance/brdf", OUTPUT_QOS)
+        self.materials = MaterialOutput(node)
 
     @property
     def topic(self) -> str:
@@ -132,11 +139,13 @@ class EstimateOutput:
     def clear(self) -> None:
         """Empty the views, and let the topic say that nothing is known of the new scan."""
         self._publisher.publish(unknown_message())
+        self.materials.clear()
         for view in self._views:
             view.clear()
 
     def destroy(self) -> None:
         """Give the publishers back."""
+        self.materials.destroy()
         for view in self._views:
             view.destroy()
         self._node.destroy_publisher(self._publisher)

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A topic to look at: its message is made when someone looks, and not before."""
+"""A topic for displays: its message is made when someone subscribes, and not before."""
 
 from __future__ import annotations
 
@@ -17,13 +17,20 @@ MakeMessage = Callable[[], Any]
 
 
 class ViewPublisher:
-    """Publishes messages to those who subscribe.
+    """Publishes messages to subscribers.
 
-    Who subscribes later gets the last one at once: from DDS if it was published, else it is made
-    then, in the executor's thread, which takes some 10 ms that the inputs wait in DDS.
+    A late subscriber gets the last one at once: from DDS if it was published, else it is made then,
+    in the executor's thread, which takes some 10 ms that the inputs wait in DDS.
     """
 
     def __init__(self, node: Node, message_type: type, topic: str) -> None:
+        """Create the publisher.
+
+        Args:
+            node: The node.
+            message_type: Of the topic.
+            topic: Its relative name.
+        """
         self._node = node
         self._lock = threading.Lock()
         self._unseen: MakeMessage | None = None
@@ -34,15 +41,28 @@ class ViewPublisher:
             event_callbacks=PublisherEventCallbacks(matched=self._on_matched),
         )
 
+    @property
+    def is_watched(self) -> bool:
+        """Whether anyone subscribes."""
+        return bool(self._publisher.get_subscription_count() > 0)
+
     def show(self, make: MakeMessage) -> None:
-        """Publish what ``make`` returns; where nobody looks, keep ``make`` until someone does."""
+        """Publish a message; without a subscriber, keep what makes it until there is one.
+
+        Args:
+            make: Makes the message.
+        """
         with self._lock:
             self._unseen = make
-            if self._publisher.get_subscription_count() > 0:
+            if self.is_watched:
                 self._publish_unseen()
 
     def replace(self, message: Any) -> None:
-        """Publish ``message`` in place of whatever was shown."""
+        """Publish a message in place of the last one.
+
+        Args:
+            message: The message.
+        """
         with self._lock:
             self._unseen = None
             self._publisher.publish(message)

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What a user can turn in the topics that are there to be looked at."""
+"""Parameters of the topics for displays."""
 
 from __future__ import annotations
 
@@ -91,8 +91,32 @@ class MarkerSettings:
         check_parameters(self)
 
 
+@dataclass(frozen=True)
+class MaterialSettings:
+    """The materials of the whole scan, on ``reflectance/materials`` and its views."""
+
+    when: str = parameter(
+        "subscribed",
+        "When materials are estimated: at keyframes while someone subscribes to one of their "
+        "topics, always at keyframes, or never.",
+        choices=("subscribed", "always", "never"),
+    )
+
+    def __post_init__(self) -> None:
+        check_parameters(self)
+
+
 def read_settings(node: Node, group: str, kind: Callable[[], Settings]) -> Settings:
-    """The group's parameters as they are set now."""
+    """Read a group of parameters as it is set now.
+
+    Args:
+        node: It has declared the parameters.
+        group: Name of the group.
+        kind: The dataclass of its settings.
+
+    Returns:
+        The settings.
+    """
     settings = kind()
     names = [field.name for field in dataclasses.fields(cast(Any, settings))]
     values = {name: node.get_parameter(f"{group}.{name}").value for name in names}

@@ -18,6 +18,7 @@ from reflest_ros.threads import resolve, worker_thread
 from reflest_ros.workers.fusion_worker import Keyframe
 
 Estimate = Callable[[KeyframeSnapshot], BrdfEstimate]
+Further = Callable[[], Callable[[], None] | None]
 
 
 class Output(Protocol):
@@ -45,7 +46,11 @@ class EstimationWorker:
     """
 
     def __init__(
-        self, estimate: Estimate, output: Output, on_crash: Callable[[BaseException], None]
+        self,
+        estimate: Estimate,
+        output: Output,
+        on_crash: Callable[[BaseException], None],
+        further: Further = lambda: None,
     ) -> None:
         """Prepare the thread.
 
@@ -53,14 +58,18 @@ class EstimationWorker:
             estimate: Makes an estimate of a snapshot.
             output: Publishes it.
             on_crash: Called with what ended the thread.
+            further: Makes something else after an estimate, while nothing waits; it returns what
+                publishes it, or None.
         """
         self.skipped = 0
         self.discarded = 0
         self._estimate = estimate
+        self._further = further
         self._output = output
         self._output_lock = threading.Lock()
         self._changed = threading.Condition()
         self._keyframe: Keyframe | None = None
+        self._are_materials_due = False
         self._requests: deque[tuple[Keyframe, Future[BrdfEstimate]]] = deque()
         self._generation = 0
         self._is_stopped = False
@@ -121,18 +130,33 @@ class EstimationWorker:
     def _run(self) -> None:
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._is_stopped or self._requests or self._keyframe)
+                self._changed.wait_for(self._has_work)
                 if self._is_stopped:
                     return
-                generation, future = self._generation, None
+                generation, future, keyframe = self._generation, None, None
                 if self._requests:
                     keyframe, future = self._requests.popleft()
                 elif self._keyframe is not None:
                     keyframe, self._keyframe = self._keyframe, None
+                self._are_materials_due = keyframe is not None
+            if keyframe is None:
+                self._publish_further(generation)
+                continue
             if future is not None:
                 resolve(future, functools.partial(self._published, keyframe, generation))
             else:
                 self._work(keyframe, generation)
+
+    def _publish_further(self, generation: int) -> None:
+        """Make what has no hurry, and publish it unless its scan was left meanwhile."""
+        publish = self._further()
+        if publish is not None:
+            with self._output_lock:
+                if generation == self._generation:
+                    publish()
+
+    def _has_work(self) -> bool:
+        return bool(self._is_stopped or self._requests or self._keyframe or self._are_materials_due)
 
     def _work(self, keyframe: Keyframe, generation: int) -> None:
         try:

@@ -71,6 +71,10 @@ class FusionWorker:
     A request waits for the messages that came before it, so that a scan is whole when it is asked
     for; while messages keep coming it waits :data:`PATIENCE` at most, so that a node that is slower
     than its input still answers.
+
+    Attributes:
+        counts: Counters for the diagnostics.
+        last_frame: The last frame that was fused, None in a new scan.
     """
 
     def __init__(
@@ -93,6 +97,7 @@ class FusionWorker:
             settle_after: Seconds without a message after which waiting frames are used as they are.
         """
         self.counts = FusionCounts()
+        self.last_frame: Frame | None = None
         self._assembler = assembler
         self._scanner = scanner
         self._on_keyframe = on_keyframe
@@ -207,6 +212,7 @@ class FusionWorker:
             self._messages.clear()
         self._assembler.reset()
         self._arrivals.clear()
+        self.last_frame = None
 
     def count_store(self) -> None:
         """Bring the store's counts up to date; to be run in this thread."""
@@ -283,6 +289,7 @@ class FusionWorker:
                 self._refuse_after(error, f"the frame at {frame.stamp_ns / 1e9:.3f} s")
                 continue
             self.counts.fused += 1
+            self.last_frame = frame
             self.counts.redundant += scanned.fused.is_redundant
             self.counts.light_alone += scanned.fused.is_light_alone
             if scanned.keyframe is not None:

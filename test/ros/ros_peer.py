@@ -110,7 +110,7 @@ class RosPeer:
         known = dict(self._node.get_service_names_and_types())
         return f"{self._name}/{name}" in known
 
-    def call(self, kind: type, name: str, **request: Any) -> Any:
+    def call(self, kind: type, name: str, /, **request: Any) -> Any:
         """Call a service of the node and return its response."""
         client = self._node.create_client(kind, f"{self._name}/{name}")
         try:

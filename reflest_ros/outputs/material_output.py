@@ -1,0 +1,171 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The topics of the materials, and the map that ``~/material_at`` answers from."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from dataclasses import dataclass
+
+import numpy as np
+from rclpy.node import Node
+from sensor_msgs.msg import Image, PointCloud2
+from visualization_msgs.msg import Marker, MarkerArray
+
+from reflest_core.capture.frame import Frame
+from reflest_core.errors import ReflestError
+from reflest_core.estimation.material_map import MaterialMap
+from reflest_core.estimation.scanner import KeyframeSnapshot
+from reflest_core.rendering.material_labels import CameraView, labels_over, voxels_in_image
+from reflest_ros.inputs.qos import OUTPUT_QOS
+from reflest_ros.msg import MaterialMap as MaterialMapMessage
+from reflest_ros.outputs.material_message import (
+    POINT,
+    empty_map,
+    image_message,
+    map_to_cloud,
+    map_to_markers,
+    map_to_message,
+    records_to_cloud,
+)
+from reflest_ros.outputs.view_publisher import ViewPublisher
+from reflest_ros.outputs.view_settings import MaterialSettings, read_settings
+
+TOPIC = "reflectance/materials"
+
+
+@dataclass(frozen=True)
+class MaterialRequest:
+    """What a material map is made of.
+
+    Attributes:
+        snapshot: The scan.
+        frame: The last frame that was fused; None where there is none yet.
+        voxel_size: Edge of a voxel of the scan, metres.
+        asked: ``time.monotonic`` when it was asked for.
+    """
+
+    snapshot: KeyframeSnapshot
+    frame: Frame | None
+    voxel_size: float
+    asked: float
+
+
+@dataclass(frozen=True)
+class ShownMaterials:
+    """A material map with what it was made of."""
+
+    materials: MaterialMap
+    request: MaterialRequest
+
+    @property
+    def view(self) -> CameraView | None:
+        """The camera of the last frame, None where there is none."""
+        frame = self.request.frame
+        return None if frame is None else CameraView(frame.intrinsics, frame.T_world_camera)
+
+
+class MaterialOutput:
+    """Publishes material maps; the estimation worker runs one of its methods at a time.
+
+    Attributes:
+        latest: The map that was published last, None after a reset.
+        published: Maps that were published.
+        failure: Why the last one could not be made, or "".
+        duration: Seconds that the last one took.
+    """
+
+    def __init__(self, node: Node) -> None:
+        """Create the publishers.
+
+        Args:
+            node: The node.
+        """
+        self.latest: ShownMaterials | None = None
+        self.published = 0
+        self.failure = ""
+        self.duration = float("nan")
+        self._node = node
+        self._map = node.create_publisher(MaterialMapMessage, TOPIC, OUTPUT_QOS)
+        self._cloud = ViewPublisher(node, PointCloud2, "reflectance/material_cloud")
+        self._markers = ViewPublisher(node, MarkerArray, "reflectance/material_markers")
+        self._overlay = ViewPublisher(node, Image, "reflectance/overlay")
+
+    @property
+    def count(self) -> int:
+        """Materials of the latest map."""
+        return 0 if self.latest is None else len(self.latest.materials.materials)
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether a map is to be made at keyframes."""
+        when = read_settings(self._node, "materials", MaterialSettings).when
+        if when != "subscribed":
+            return when == "always"
+        return self._map.get_subscription_count() > 0 or any(
+            view.is_watched for view in (self._cloud, self._markers, self._overlay)
+        )
+
+    def publish(self, request: MaterialRequest, materials: MaterialMap) -> None:
+        """Send a map on all topics.
+
+        Args:
+            request: What it was made of.
+            materials: The map.
+        """
+        shown = ShownMaterials(materials, request)
+        self.duration = time.monotonic() - request.asked
+        self._map.publish(map_to_message(materials, self.duration))
+        self.latest, self.failure = shown, ""
+        self.published += 1
+        self._cloud.show(lambda: map_to_cloud(materials))
+        self._markers.show(lambda: map_to_markers(materials))
+        if request.frame is not None:
+            frame = request.frame
+            self._overlay.show(lambda: overlay_message(materials, frame, request.voxel_size))
+
+    def fail(self, error: Exception) -> None:
+        """Note why a map could not be made; each reason is logged once.
+
+        Args:
+            error: The reason.
+        """
+        reason = str(error) if isinstance(error, ReflestError) else repr(error)
+        if reason != self.failure:
+            log = self._node.get_logger()
+            if isinstance(error, ReflestError):
+                log.warning(f"no materials at a keyframe: {reason}")
+            else:
+                log.error("".join(traceback.format_exception(error)).rstrip())
+        self.failure = reason
+
+    def clear(self) -> None:
+        """Replace what was published by an empty map: a new scan begins."""
+        self.latest = None
+        self._map.publish(empty_map())
+        self._cloud.replace(records_to_cloud(np.zeros(0, POINT), "", 0))
+        self._markers.replace(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
+
+    def destroy(self) -> None:
+        """Give the publishers back."""
+        self._node.destroy_publisher(self._map)
+        for view in (self._cloud, self._markers, self._overlay):
+            view.destroy()
+
+
+def overlay_message(materials: MaterialMap, frame: Frame, voxel_size: float) -> Image:
+    """Draw the materials over an image.
+
+    Args:
+        materials: The map.
+        frame: Its image, calibration and pose.
+        voxel_size: Edge of a voxel, metres.
+
+    Returns:
+        An ``rgb8`` image of the frame's size, stamp and camera frame.
+    """
+    view = CameraView(frame.intrinsics, frame.T_world_camera)
+    voxels = voxels_in_image(materials.surface.positions, view, voxel_size)
+    drawn = labels_over(frame.rgb, voxels, materials.material_ids)
+    return image_message(drawn, frame.frame_id, frame.stamp_ns)

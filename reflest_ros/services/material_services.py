@@ -1,0 +1,94 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""``~/material_at``: the material under a pixel or at a point, out of the latest map."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from geometry_msgs.msg import Point
+
+from reflest_core.errors import ReflestError
+from reflest_core.rendering.material_labels import NOTHING, voxel_near, voxels_in_image
+from reflest_ros.outputs.material_message import material_to_message, unknown_material
+from reflest_ros.outputs.material_output import MaterialOutput, ShownMaterials
+from reflest_ros.services.answers import answer_with
+from reflest_ros.services.service_pool import ServicePool
+from reflest_ros.srv import MaterialAt
+
+REACH = 2.0
+"""Voxels from a point to the surface, at most."""
+
+
+class MaterialServices:
+    """Answers from what was published; nothing is estimated."""
+
+    def __init__(self, pool: ServicePool, output: MaterialOutput) -> None:
+        """Create the service.
+
+        Args:
+            pool: Answers it.
+            output: Holds the latest map.
+        """
+        self._output = output
+        pool.create(MaterialAt, "~/material_at", self.material_at)
+
+    def material_at(
+        self, request: MaterialAt.Request, response: MaterialAt.Response
+    ) -> MaterialAt.Response:
+        """Find the material at a point of the world or under a pixel of the latest image."""
+        response.material = unknown_material()
+        response.rho_d = response.rho_d_stddev = [math.nan] * 3
+
+        def work() -> str:
+            shown = self._output.latest
+            if shown is None:
+                raise ReflestError(
+                    "there is no material map yet: subscribe to reflectance/materials, or set "
+                    "materials.when to always, and scan until the next keyframe"
+                )
+            voxel = _voxel(shown, request)
+            materials = shown.materials
+            x, y, z = map(float, materials.surface.positions[voxel])
+            response.position = Point(x=x, y=y, z=z)
+            material = materials.material(int(materials.material_ids[voxel]))
+            if material is None:
+                raise ReflestError("the surface there belongs to no material yet: scan more of it")
+            response.material = material_to_message(material)
+            response.rho_d = materials.rho_d[voxel].astype(float).tolist()
+            response.rho_d_stddev = materials.rho_d_stddev[voxel].astype(float).tolist()
+            estimate = material.estimate
+            return (
+                f"material {material.id}, rho_s {estimate.rho_s:.3f}, alpha {estimate.alpha:.3f}, "
+                f"{estimate.status.name}"
+            )
+
+        return answer_with(response, work)
+
+
+def _voxel(shown: ShownMaterials, request: MaterialAt.Request) -> int:
+    """The voxel that a request names; a :class:`ReflestError` where there is none."""
+    positions, voxel_size = shown.materials.surface.positions, shown.request.voxel_size
+    if request.kind == MaterialAt.Request.KIND_POINT:
+        point = np.array([request.point.x, request.point.y, request.point.z])
+        if not np.isfinite(point).all():
+            raise ReflestError("the point is not finite")
+        found = voxel_near(positions, point, REACH * voxel_size)
+        if found is None:
+            raise ReflestError(
+                f"no scanned surface is within {REACH * voxel_size:g} m of the point"
+            )
+        return found
+    if request.kind != MaterialAt.Request.KIND_PIXEL:
+        raise ReflestError(f"kind = {request.kind} is none of the KIND_ constants: 0 or 1")
+    view = shown.view
+    if view is None:
+        raise ReflestError("no image has been fused since the scan was loaded: name a point")
+    width, height = view.intrinsics.width, view.intrinsics.height
+    if not (0.0 <= request.u < width and 0.0 <= request.v < height):
+        raise ReflestError(f"the pixel is not in the image of {width} x {height} pixels")
+    voxel = int(voxels_in_image(positions, view, voxel_size)[int(request.v), int(request.u)])
+    if voxel == NOTHING:
+        raise ReflestError("no scanned surface is under the pixel")
+    return voxel

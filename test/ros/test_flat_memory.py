@@ -1,0 +1,34 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""A node that is configured and cleaned up again and again takes no more memory."""
+
+from __future__ import annotations
+
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
+
+CYCLE = (
+    Transition.TRANSITION_DEACTIVATE,
+    Transition.TRANSITION_CLEANUP,
+    Transition.TRANSITION_CONFIGURE,
+    Transition.TRANSITION_ACTIVATE,
+)
+WARM, CYCLES = 10, 20
+MOST_GROWTH = 60.0
+"""MB; without care each cycle adds up to 15."""
+
+
+def cycle(peer, count):
+    for _ in range(count):
+        for number in CYCLE:
+            assert peer.call(ChangeState, "change_state", transition=Transition(id=number)).success
+
+
+def test_memory_is_flat_over_configure_and_cleanup(node, peer):
+    cycle(peer, WARM)
+    before = node.resident_mb
+    cycle(peer, CYCLES)
+    after = node.resident_mb
+    assert after < before + MOST_GROWTH
+    assert node.is_running
+    assert "Traceback" not in node.output
