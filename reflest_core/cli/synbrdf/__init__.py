@@ -22,7 +22,11 @@ PRODUCTS = (
 
 
 def add_parser(subparsers: Any) -> None:
-    """Add the subcommand and its own subcommands."""
+    """Add the subcommand and its own subcommands.
+
+    Args:
+        subparsers: the subcommands of ``reflest``.
+    """
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "synbrdf", help="generate SynBRDF scenes and sequences (needs the extra synbrdf)"
     )

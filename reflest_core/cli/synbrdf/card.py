@@ -17,7 +17,11 @@ QUALITY = 85
 
 
 def add_parser(products: Any) -> None:
-    """Add the subcommand."""
+    """Add the subcommand.
+
+    Args:
+        products: the subcommands of ``reflest synbrdf``.
+    """
     parser: argparse.ArgumentParser = products.add_parser(
         "card", help="the data card: histograms and numbers of a set, and a contact sheet"
     )
@@ -36,7 +40,11 @@ def add_parser(products: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write what was asked for."""
+    """Write what was asked for.
+
+    Args:
+        arguments: all options of the command.
+    """
     from reflest_core.synbrdf.generation.whole_folder import FolderUnwritable
 
     try:

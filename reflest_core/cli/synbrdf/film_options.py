@@ -14,7 +14,13 @@ FILM_OPTIONS = ("seed", "frames", "width", "height", "samples", "rate", "environ
 
 
 def add_film_options(parser: argparse.ArgumentParser, frames: int, samples: int) -> None:
-    """Add the options; ``frames`` and ``samples`` are their defaults."""
+    """Add the options; ``frames`` and ``samples`` are their defaults.
+
+    Args:
+        parser: takes the options.
+        frames: default number of frames.
+        samples: default paths of a pixel.
+    """
     parser.add_argument("--out", type=Path, required=True, help="folder of the bag; must not exist")
     parser.add_argument("--seed", type=int, default=1, help="decides what no option decides")
     parser.add_argument("--frames", type=int, default=frames)
@@ -31,13 +37,22 @@ def add_film_options(parser: argparse.ArgumentParser, frames: int, samples: int)
 
 
 def film_options(arguments: argparse.Namespace) -> dict[str, Any]:
-    """Values of :data:`FILM_OPTIONS` that were given or have a default, by name."""
+    """Values of :data:`FILM_OPTIONS` that were given or have a default, by name.
+
+    Args:
+        arguments: all options of the command.
+    """
     values = {name: getattr(arguments, name) for name in FILM_OPTIONS}
     return {name: value for name, value in values.items() if value is not None}
 
 
 def film_command(arguments: argparse.Namespace, product: str) -> list[str]:
-    """The command line that asks for the same again."""
+    """The command line that asks for the same again.
+
+    Args:
+        arguments: all options of the command.
+        product: name of the subcommand.
+    """
     command = ["reflest", "synbrdf", product, "--out", str(arguments.out)]
     for name, value in film_options(arguments).items():
         command += [f"--{name}", str(value)]

@@ -13,7 +13,11 @@ from reflest_core.cli.synbrdf.worker_options import add_worker_options, workers_
 
 
 def add_parser(products: Any) -> None:
-    """Add the subcommand."""
+    """Add the subcommand.
+
+    Args:
+        products: the subcommands of ``reflest synbrdf``.
+    """
     parser: argparse.ArgumentParser = products.add_parser(
         "generate", help="sparse scenes for training: each surface point's colour from each view"
     )
@@ -26,7 +30,11 @@ def add_parser(products: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Generate until every shard is there."""
+    """Generate until every shard is there.
+
+    Args:
+        arguments: all options of the command.
+    """
     from reflest_core.synbrdf.generation.generate import generate
 
     workers = workers_of(arguments)

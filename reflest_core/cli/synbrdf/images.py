@@ -13,7 +13,11 @@ from reflest_core.cli.synbrdf.set_options import generation_of
 
 
 def add_parser(products: Any) -> None:
-    """Add the subcommand."""
+    """Add the subcommand.
+
+    Args:
+        products: the subcommands of ``reflest synbrdf``.
+    """
     parser: argparse.ArgumentParser = products.add_parser(
         "images",
         help="full images of scenes: HDR and LDR colour, depth, normals, mask, poses, intrinsics",
@@ -24,7 +28,11 @@ def add_parser(products: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write one folder for each scene."""
+    """Write one folder for each scene.
+
+    Args:
+        arguments: all options of the command.
+    """
     generation = generation_of(arguments)
     split, scenes, views = chosen(arguments, generation)
 

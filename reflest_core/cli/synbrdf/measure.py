@@ -13,7 +13,11 @@ QUALITIES = (60, 70, 80, 90, 95)
 
 
 def add_parser(products: Any) -> None:
-    """Add the subcommand."""
+    """Add the subcommand.
+
+    Args:
+        products: the subcommands of ``reflest synbrdf``.
+    """
     parser: argparse.ArgumentParser = products.add_parser(
         "measure",
         help="errors of real fusion and of a JPEG codec on renders, and of shapes' normals",
@@ -27,7 +31,11 @@ def add_parser(products: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print one table."""
+    """Print one table.
+
+    Args:
+        arguments: all options of the command.
+    """
     {"fusion": _fusion, "jpeg": _jpeg, "shading": _shading}[arguments.what](arguments)
     return 0
 

@@ -12,7 +12,11 @@ from reflest_core.cli.synbrdf.worker_options import add_worker_options, workers_
 
 
 def add_parser(products: Any) -> None:
-    """Add the subcommand."""
+    """Add the subcommand.
+
+    Args:
+        products: the subcommands of ``reflest synbrdf``.
+    """
     parser: argparse.ArgumentParser = products.add_parser(
         "relight", help="training scenes anew, of other materials under other lights, unrendered"
     )
@@ -36,7 +40,11 @@ def add_parser(products: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Relight until every shard is there."""
+    """Relight until every shard is there.
+
+    Args:
+        arguments: all options of the command.
+    """
     from reflest_core.synbrdf.relit.relighting import Relighting, relight
 
     relighting = Relighting(

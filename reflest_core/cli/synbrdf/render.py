@@ -10,7 +10,11 @@ from typing import Any
 
 
 def add_parser(products: Any) -> None:
-    """Add the subcommand."""
+    """Add the subcommand.
+
+    Args:
+        products: the subcommands of ``reflest synbrdf``.
+    """
     parser: argparse.ArgumentParser = products.add_parser(
         "render", help="render a Mitsuba 3 file that uses the plugin reflest_ward"
     )
@@ -22,7 +26,11 @@ def add_parser(products: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Render one sensor."""
+    """Render one sensor.
+
+    Args:
+        arguments: all options of the command.
+    """
     from reflest_core.synbrdf.path_tracing.image_files import write_exr
     from reflest_core.synbrdf.path_tracing.xml_render import SceneUnreadable, render_xml
 

@@ -15,7 +15,12 @@ if TYPE_CHECKING:
 
 
 def add_scene_options(parser: argparse.ArgumentParser, frames: str) -> None:
-    """Add the options that say which set, and which of its scenes and views (``frames``)."""
+    """Add the options that say which set, and which of its scenes and views (``frames``).
+
+    Args:
+        parser: takes the options.
+        frames: what single views are called in the help.
+    """
     parser.add_argument("--split", choices=("train", "validation", "unseen"), default="train")
     parser.add_argument(
         "--scenes", default="0", metavar="RANGE", help="such as 3 or 0:10,25 (default: %(default)s)"
@@ -35,7 +40,12 @@ def add_scene_options(parser: argparse.ArgumentParser, frames: str) -> None:
 def chosen(
     arguments: argparse.Namespace, generation: Generation
 ) -> tuple[Split, list[int], list[int]]:
-    """Split, scenes and views that the options name; refuses what the set does not have."""
+    """Split, scenes and views that the options name; refuses what the set does not have.
+
+    Args:
+        arguments: all options of the command.
+        generation: what the data set was asked to be.
+    """
     from reflest_core.synbrdf.generation.index_ranges import IndexRangeError, parse_indices
     from reflest_core.synbrdf.scenes.splits import Split
 

@@ -14,7 +14,11 @@ from reflest_core.cli.synbrdf.set_options import materials_of, realism_of
 
 
 def add_parser(products: Any) -> None:
-    """Add the subcommand."""
+    """Add the subcommand.
+
+    Args:
+        products: the subcommands of ``reflest synbrdf``.
+    """
     parser: argparse.ArgumentParser = products.add_parser(
         "sequence", help="an RGB-D scan of one object as an MCAP ROS 2 bag, with its truth"
     )
@@ -31,7 +35,11 @@ def add_parser(products: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Render the bag."""
+    """Render the bag.
+
+    Args:
+        arguments: all options of the command.
+    """
     from reflest_core.synbrdf.sequences.sequence_scene import SequenceRequest
 
     command = film_command(arguments, "sequence")

@@ -15,7 +15,11 @@ if TYPE_CHECKING:
 
 
 def add_set_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that :func:`generation_of` reads."""
+    """Add the options that :func:`generation_of` reads.
+
+    Args:
+        parser: takes the options.
+    """
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--train", type=int, default=4600, help="scenes")
     parser.add_argument("--validation", type=int, default=400, help="scenes")
@@ -47,7 +51,11 @@ def add_set_options(parser: argparse.ArgumentParser) -> None:
 
 
 def add_material_options(parser: argparse.ArgumentParser) -> None:
-    """Add ``--materials`` and ``--material-fits``."""
+    """Add ``--materials`` and ``--material-fits``.
+
+    Args:
+        parser: takes the options.
+    """
     parser.add_argument(
         "--materials",
         choices=("opensurfaces", "measured"),
@@ -64,14 +72,22 @@ def add_material_options(parser: argparse.ArgumentParser) -> None:
 
 
 def materials_of(arguments: argparse.Namespace) -> Materials:
-    """What ``--materials`` and ``--material-fits`` name."""
+    """What ``--materials`` and ``--material-fits`` name.
+
+    Args:
+        arguments: all options of the command.
+    """
     from reflest_core.synbrdf.scenes.material_sources import Materials, MaterialSource
 
     return Materials(MaterialSource(arguments.materials), _absolute(arguments.material_fits))
 
 
 def add_realism_option(parser: argparse.ArgumentParser) -> None:
-    """Add ``--realism``."""
+    """Add ``--realism``.
+
+    Args:
+        parser: takes the options.
+    """
     parser.add_argument(
         "--realism",
         nargs="*",
@@ -82,7 +98,11 @@ def add_realism_option(parser: argparse.ArgumentParser) -> None:
 
 
 def realism_of(arguments: argparse.Namespace) -> Realism | None:
-    """The faults that ``--realism`` names; None without it."""
+    """The faults that ``--realism`` names; None without it.
+
+    Args:
+        arguments: all options of the command.
+    """
     from reflest_core.synbrdf.realism.settings import Realism, parse_effects
 
     if arguments.realism is None:
@@ -93,7 +113,13 @@ def realism_of(arguments: argparse.Namespace) -> Realism | None:
 def generation_of(
     arguments: argparse.Namespace, points: int = 400, samples: int = 64
 ) -> Generation:
-    """The data set that the options name."""
+    """The data set that the options name.
+
+    Args:
+        arguments: all options of the command.
+        points: (N, 3) metres.
+        samples: paths of a pixel or an observation.
+    """
     from reflest_core.synbrdf.generation.data_set import Generation
     from reflest_core.synbrdf.scenes.metering import Metering
     from reflest_core.synbrdf.scenes.scene import Lighting

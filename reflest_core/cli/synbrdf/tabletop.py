@@ -13,7 +13,11 @@ from reflest_core.cli.synbrdf.set_options import materials_of, realism_of
 
 
 def add_parser(products: Any) -> None:
-    """Add the subcommand."""
+    """Add the subcommand.
+
+    Args:
+        products: the subcommands of ``reflest synbrdf``.
+    """
     parser: argparse.ArgumentParser = products.add_parser(
         "tabletop",
         help="an RGB-D scan of 2 to 6 objects of several materials as an MCAP ROS 2 bag, with "
@@ -35,7 +39,11 @@ def add_parser(products: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Render the bag."""
+    """Render the bag.
+
+    Args:
+        arguments: all options of the command.
+    """
     from reflest_core.synbrdf.tabletop.ground import Setting
     from reflest_core.synbrdf.tabletop.tabletop_bag import TabletopRequest, write_tabletop
     from reflest_core.synbrdf.tabletop.tabletop_scene import TabletopChoices, TabletopLight

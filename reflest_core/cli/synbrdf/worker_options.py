@@ -10,7 +10,12 @@ from contextlib import AbstractContextManager
 
 
 def add_worker_options(parser: argparse.ArgumentParser, jobs: str) -> None:
-    """``--jobs``, which means ``jobs``, or ``--scheduler``."""
+    """``--jobs``, which means ``jobs``, or ``--scheduler``.
+
+    Args:
+        parser: takes the options.
+        jobs: what the processes are used for, in the help.
+    """
     workers = parser.add_mutually_exclusive_group()
     workers.add_argument("--jobs", type=int, default=1, help=jobs)
     workers.add_argument(
@@ -19,7 +24,11 @@ def add_worker_options(parser: argparse.ArgumentParser, jobs: str) -> None:
 
 
 def workers_of(arguments: argparse.Namespace) -> AbstractContextManager[Executor]:
-    """Not yet begun. Raises ``GenerationRefused`` for fewer than one process."""
+    """Not yet begun. Raises ``GenerationRefused`` for fewer than one process.
+
+    Args:
+        arguments: all options of the command.
+    """
     from reflest_core.synbrdf.generation.dask_cluster import dask_cluster
     from reflest_core.synbrdf.generation.data_set import GenerationRefused
     from reflest_core.synbrdf.generation.process_pool import process_pool

@@ -30,6 +30,13 @@ def contact_sheet(
     """8-bit sRGB image of the first view of ``rows`` x ``columns`` scenes, evenly from a split.
 
     Every third has its depth map in the corner, near is bright.
+
+    Args:
+        generation: what the data set was asked to be.
+        split: train, validation or unseen.
+        rows: of the picture or grid.
+        columns: of the picture or grid.
+        samples: paths of a pixel or an observation.
     """
     count = generation.scenes[split.value]
     indices = np.linspace(0, count - 1, min(rows * columns, count)).round().astype(int)

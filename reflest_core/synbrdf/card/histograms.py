@@ -17,7 +17,12 @@ BAR = "#4878a8"
 
 
 def draw_materials(scenes: list[SceneSummary], path: Path) -> None:
-    """Diffuse colours, and histograms of the Ward parameters and of contrast."""
+    """Diffuse colours, and histograms of the Ward parameters and of contrast.
+
+    Args:
+        scenes: of the data set.
+        path: the file.
+    """
     figure, axes = _figure(2, 3)
     rho_d = np.array([scene.rho_d for scene in scenes])
     lightness = np.array([scene.luminance for scene in scenes])
@@ -33,7 +38,12 @@ def draw_materials(scenes: list[SceneSummary], path: Path) -> None:
 
 
 def draw_captures(scenes: list[SceneSummary], path: Path) -> None:
-    """Shapes, light, views, and what they lead to."""
+    """Shapes, light, views, and what they lead to.
+
+    Args:
+        scenes: of the data set.
+        path: the file.
+    """
     figure, axes = _figure(2, 4)
     kinds = Counter(scene.shape for scene in scenes)
     procedural = ("blob", "superquadric", "lathe", "sweep", "csg")

@@ -26,7 +26,15 @@ DARKER = 0.125
 def image_strip(
     generation: Generation, split: Split, indices: list[int], view: int, samples: int = 16
 ) -> NDArray[np.uint8]:
-    """8-bit sRGB image with a row for each scene; ``generation`` must have realism."""
+    """8-bit sRGB image with a row for each scene; ``generation`` must have realism.
+
+    Args:
+        generation: what the data set was asked to be.
+        split: train, validation or unseen.
+        indices: of scenes.
+        view: index of the view.
+        samples: paths of a pixel or an observation.
+    """
     images = SceneImages(generation, *RENDERED, samples)
     rows = [_row(images, split, index, view) for index in indices]
     return np.concatenate(rows)

@@ -25,7 +25,11 @@ QUANTILES = (0.05, 0.5, 0.95)
 
 
 def table(scenes: list[SceneSummary]) -> str:
-    """Markdown: mean, quantiles and extremes of each figure, for each split."""
+    """Markdown: mean, quantiles and extremes of each figure, for each split.
+
+    Args:
+        scenes: of the data set.
+    """
     lines = [
         "| split | figure | mean | 5 % | median | 95 % | most |",
         "|---|---|---|---|---|---|---|",
@@ -41,7 +45,12 @@ def table(scenes: list[SceneSummary]) -> str:
 
 
 def clipping(scenes: list[SceneSummary], worst: int = 5) -> str:
-    """Markdown: how many scenes clip a lot, and the worst."""
+    """Markdown: how many scenes clip a lot, and the worst.
+
+    Args:
+        scenes: of the data set.
+        worst: scenes to name.
+    """
     order = sorted(scenes, key=lambda scene: -scene.clipped)
     shares = [
         f"more than {limit} % of observations clip in "

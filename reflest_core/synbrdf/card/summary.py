@@ -43,7 +43,11 @@ class SceneSummary:
 
     @classmethod
     def of(cls, scene: SynbrdfScene) -> SceneSummary:
-        """Summarise one scene."""
+        """Summarise one scene.
+
+        Args:
+            scene: the scene.
+        """
         surface, truth = scene.surface, scene.truth
         return cls(
             split=scene.split,
@@ -65,7 +69,12 @@ class SceneSummary:
 
 
 def summarise(folder: Path, splits: tuple[str, ...]) -> list[SceneSummary]:
-    """All scenes of ``splits`` that a set holds, finished or not."""
+    """All scenes of ``splits`` that a set holds, finished or not.
+
+    Args:
+        folder: of the data set, or to write into.
+        splits: names of splits.
+    """
     found = [SceneSummary.of(scene) for split in splits for scene in load_scenes(folder, split)]
     if not found:
         raise SceneFileError(f"{folder} holds no scenes yet; make them with 'synbrdf generate'")

@@ -22,6 +22,9 @@ class ClusterError(ReflestError):
 def dask_cluster(address: str) -> Iterator[Executor]:
     """Run tasks on the workers of the scheduler at ``address``, such as ``tcp://host:8786``.
 
+    Args:
+        address: of the scheduler, such as ``tcp://host:8786``.
+
     Raises:
         ClusterError: without the package, without an answer, or without workers.
     """

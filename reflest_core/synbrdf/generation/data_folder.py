@@ -16,6 +16,10 @@ def begin_manifest(folder: Path, manifest: dict[str, Any]) -> None:
     """Make ``folder`` and its manifest, or see that what is there was begun alike.
 
     Raises :class:`SceneFileError` where it cannot be made, is damaged, or differs.
+
+    Args:
+        folder: of the data set, or to write into.
+        manifest: what the data set is and which code made it.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -39,7 +43,11 @@ def begin_manifest(folder: Path, manifest: dict[str, Any]) -> None:
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:
-    """What the data set in ``folder`` is; :class:`SceneFileError` where there is none."""
+    """What the data set in ``folder`` is; :class:`SceneFileError` where there is none.
+
+    Args:
+        folder: of the data set, or to write into.
+    """
     path = folder / MANIFEST
     if not path.is_file():
         raise SceneFileError(f"{folder} has no {MANIFEST}; make it with 'reflest synbrdf generate'")
@@ -48,5 +56,10 @@ def read_manifest(folder: Path) -> dict[str, Any]:
 
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
-    """Write whole or not at all, keys sorted."""
+    """Write whole or not at all, keys sorted.
+
+    Args:
+        path: the file.
+        content: values that JSON has.
+    """
     write_whole(path, (json.dumps(content, indent=1, sort_keys=True) + "\n").encode())

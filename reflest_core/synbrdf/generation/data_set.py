@@ -80,7 +80,11 @@ class Generation:
                 raise GenerationRefused(f"--{name} is {value}, but must be {low} to {high}")
 
     def sources(self, split: Split) -> Sources:
-        """The environments and meshes of one split."""
+        """The environments and meshes of one split.
+
+        Args:
+            split: train, validation or unseen.
+        """
         sources = sources_of(split, self._environments(), self._meshes(), self.seed)
         unknown = set(self.without) - {source.name for source in self._environments()}
         if unknown:
@@ -91,7 +95,12 @@ class Generation:
         return dataclasses.replace(sources, environments=kept)
 
     def scene(self, split: Split, index: int) -> Scene:
-        """Draw scene ``index`` of ``split``."""
+        """Draw scene ``index`` of ``split``.
+
+        Args:
+            split: train, validation or unseen.
+            index: of the scene within its split.
+        """
         sources = self.sources(split)
         return draw_scene(self.seed, split, index, sources, self.views, self.lighting)
 
@@ -179,7 +188,11 @@ class ShardTask:
 
 
 def shard_tasks(generation: Generation) -> Iterator[ShardTask]:
-    """All shards, the splits interleaved, so that an unfinished set holds some of each."""
+    """All shards, the splits interleaved, so that an unfinished set holds some of each.
+
+    Args:
+        generation: what the data set was asked to be.
+    """
     tasks = []
     for name, count in generation.scenes.items():
         for first in range(0, count, SHARD_SCENES):

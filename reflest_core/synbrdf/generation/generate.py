@@ -32,6 +32,11 @@ def generate(
 
     Only this process writes, each file whole: a killed run leaves whole shards, and the same call
     goes on and ends with the same bytes, whoever the ``workers`` are.
+
+    Args:
+        folder: of the data set, or to write into.
+        generation: what the data set was asked to be.
+        workers: processes or a cluster, as a context.
     """
     generation.check_extra()
     manifest = generation.manifest()
@@ -54,7 +59,13 @@ def generate(
 
 
 def render_agreed(generation: Generation, manifest: dict[str, Any], task: ShardTask) -> bytes:
-    """Render where code, libraries and sources are those of ``manifest``, else refuse."""
+    """Render where code, libraries and sources are those of ``manifest``, else refuse.
+
+    Args:
+        generation: what the data set was asked to be.
+        manifest: what the data set is and which code made it.
+        task: one shard.
+    """
     own = generation.manifest()
     differing = sorted(key for key in manifest if own.get(key) != manifest[key])
     if differing:

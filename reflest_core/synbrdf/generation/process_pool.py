@@ -14,7 +14,11 @@ from contextlib import contextmanager
 
 @contextmanager
 def process_pool(jobs: int) -> Iterator[Executor]:
-    """Run tasks in ``jobs`` processes, which end with this one, even where it is killed."""
+    """Run tasks in ``jobs`` processes, which end with this one, even where it is killed.
+
+    Args:
+        jobs: processes.
+    """
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(jobs, mp_context=context, initializer=_end_with_parent) as pool:
         yield pool

@@ -21,7 +21,12 @@ _renderer_in_use = threading.Lock()
 
 
 def render_shard(generation: Generation, task: ShardTask) -> bytes:
-    """The bytes of a shard's file: the same for the same arguments, in any process or thread."""
+    """The bytes of a shard's file: the same for the same arguments, in any process or thread.
+
+    Args:
+        generation: what the data set was asked to be.
+        task: one shard.
+    """
     scenes = []
     for index in range(task.first, task.last):
         scene = generation.scene(task.split, index)

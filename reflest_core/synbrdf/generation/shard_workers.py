@@ -26,6 +26,11 @@ def finished(
     """Tasks and what ``made`` makes of them; when this is closed, those not begun are given up.
 
     Raises :class:`WorkerError` where a worker was ended from outside.
+
+    Args:
+        workers: processes or a cluster, as a context.
+        made: makes the bytes of a task.
+        tasks: shards to make.
     """
     if not tasks:
         return

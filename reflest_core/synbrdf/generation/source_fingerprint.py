@@ -18,6 +18,9 @@ def source_fingerprint(parts: tuple[str, ...] = PARTS) -> str:
     """SHA-256 (hex) over the Python files of ``parts``, by name, as this process found them.
 
     ``parts``: files and folders in ``reflest_core``; by default those that make a data set.
+
+    Args:
+        parts: files and folders of ``reflest_core``.
     """
     root = Path(reflest_core.__file__).parent
     digest = hashlib.sha256()

@@ -21,6 +21,9 @@ class FolderUnwritable(ReflestError):
 def whole_folder(out: Path) -> Iterator[Path]:
     """Give a path, of the same name as ``out``, to make a folder at; it becomes ``out`` at the end.
 
+    Args:
+        out: folder to make.
+
     Raises:
         FolderUnwritable: naming ``out``, if anything in the block cannot be written.
     """

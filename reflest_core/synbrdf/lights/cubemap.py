@@ -31,7 +31,11 @@ _ACROSS_AND_DOWN: tuple[Callable[..., tuple[Any, Any]], ...] = (
 
 
 def read_cubemap(path: Path) -> NDArray[np.float32]:
-    """Faces (6, N, N, 3) of linear radiance; ``ValueError`` says what cannot be read."""
+    """Faces (6, N, N, 3) of linear radiance; ``ValueError`` says what cannot be read.
+
+    Args:
+        path: the file.
+    """
     data = path.read_bytes()
     if data[:12] != IDENTIFIER or len(data) < 68:
         raise ValueError("it is not a KTX 1 file")
@@ -50,7 +54,12 @@ def read_cubemap(path: Path) -> NDArray[np.float32]:
 
 
 def look_up(faces: NDArray[np.float32], directions: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Radiance (..., 3) of the texel in each of the ``directions`` (..., 3), z up."""
+    """Radiance (..., 3) of the texel in each of the ``directions`` (..., 3), z up.
+
+    Args:
+        faces: (6, N, N, 3) linear radiance.
+        directions: (N, 3) unit, world frame.
+    """
     # The cube's y is up, and its z points against ours.
     cube = np.stack([directions[..., 0], directions[..., 2], -directions[..., 1]])
     axis = np.abs(cube).argmax(axis=0)

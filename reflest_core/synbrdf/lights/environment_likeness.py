@@ -24,6 +24,10 @@ def likeness(one: NDArray[np.float32], other: NDArray[np.float32]) -> float:
 
     ``one``, ``other``: (H, 2 H, 3) linear radiance. Brightness does not count. -1 to 1; 0 where
     one of them does not change along its rows.
+
+    Args:
+        one: (H, W, 3) linear radiance, equirectangular.
+        other: (H, W, 3) linear radiance, equirectangular.
     """
     a, b = _pattern(one), _pattern(other)
     length = float(np.sqrt((a**2).sum() * (b**2).sum()))

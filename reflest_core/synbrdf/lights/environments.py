@@ -43,7 +43,11 @@ class EnvironmentSource:
 
 
 def procedural_skies(count: int) -> list[EnvironmentSource]:
-    """List the skies that need no file."""
+    """List the skies that need no file.
+
+    Args:
+        count: skies.
+    """
     return [EnvironmentSource(f"{SKY_PREFIX}{seed}") for seed in range(count)]
 
 
@@ -52,6 +56,9 @@ def find_environments(path: Path) -> list[EnvironmentSource]:
 
     Reads .hdr and .exr files, .ktx cube maps (``NAME_skybox.ktx`` of Open3D, say), and .npz
     collections of ``NAME`` (H, W, 3) in linear Rec. 709.
+
+    Args:
+        path: a file, or a folder of them.
     """
     if not path.exists():
         raise EnvironmentUnreadable(f"there is no environment file or folder at {path}")
@@ -74,6 +81,10 @@ def load_environment(source: EnvironmentSource, height: int = 128) -> NDArray[np
     """Return radiance (height, 2 * height, 3), linear Rec. 709, no texel negative.
 
     Areas are averaged where the file is larger, so that small lamps keep their power.
+
+    Args:
+        source: the file or procedural kind.
+        height: rows of the equirectangular map.
     """
     if source.path is None:
         seed = int(source.name.removeprefix(SKY_PREFIX))
@@ -98,12 +109,21 @@ def load_environment(source: EnvironmentSource, height: int = 128) -> NDArray[np
 
 
 def load_environments(sources: Sequence[EnvironmentSource]) -> dict[str, NDArray[np.float32]]:
-    """Each by its name, as :func:`load_environment` returns it."""
+    """Each by its name, as :func:`load_environment` returns it.
+
+    Args:
+        sources: files or procedural skies.
+    """
     return {source.name: load_environment(source) for source in sources}
 
 
 def resample(radiance: NDArray[np.float32], height: int) -> NDArray[np.float32]:
-    """Resize (H, W, 3) to (height, 2 * height, 3) by area where it shrinks."""
+    """Resize (H, W, 3) to (height, 2 * height, 3) by area where it shrinks.
+
+    Args:
+        radiance: linear radiance.
+        height: rows of the equirectangular map.
+    """
     import cv2
 
     width = 2 * height
@@ -115,7 +135,12 @@ def resample(radiance: NDArray[np.float32], height: int) -> NDArray[np.float32]:
 
 
 def rotated(radiance: NDArray[np.float32], angle: float) -> NDArray[np.float32]:
-    """Turn the environment by ``angle`` radians about the world's z axis (anticlockwise)."""
+    """Turn the environment by ``angle`` radians about the world's z axis (anticlockwise).
+
+    Args:
+        radiance: linear radiance.
+        angle: radians about the vertical.
+    """
     width = radiance.shape[1]
     columns = (np.arange(width) + angle / (2.0 * np.pi) * width) % width
     left = np.floor(columns).astype(np.int64)

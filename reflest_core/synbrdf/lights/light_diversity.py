@@ -38,7 +38,12 @@ class DiverseLight:
 def draw_diverse_light(
     rng: np.random.Generator, maps: Mapping[str, NDArray[np.float32]]
 ) -> DiverseLight:
-    """Draw an environment as large as ``maps``: by name, (H, 2 H, 3) linear radiance, z up."""
+    """Draw an environment as large as ``maps``: by name, (H, 2 H, 3) linear radiance, z up.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        maps: environments by name, (H, W, 3) linear radiance.
+    """
     names = list(maps)
     height = maps[names[0]].shape[0]
     kind = int(rng.choice(4, p=SOURCE_SHARES))

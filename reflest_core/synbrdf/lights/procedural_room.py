@@ -18,6 +18,10 @@ def procedural_room(seed: int, height: int = 128) -> NDArray[np.float32]:
 
     The viewer stands anywhere in the room; walls are lit by the windows' and lamps' mean light
     and darken towards the corners, windows and lamps shine themselves.
+
+    Args:
+        seed: of the random numbers.
+        height: rows of the equirectangular map.
     """
     rng = np.random.default_rng(np.random.SeedSequence([0x400, seed]))
     size = np.array([*rng.uniform(2.5, 9.0, 2), rng.uniform(2.3, 4.0)])

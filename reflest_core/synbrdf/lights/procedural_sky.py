@@ -15,6 +15,10 @@ def procedural_sky(seed: int, height: int = 128) -> NDArray[np.float32]:
     """Return an outdoor environment (height, 2 * height, 3), linear Rec. 709, z up.
 
     A graded sky, a sun with its glow, soft clouds, a skyline of blocks and trees, and a ground.
+
+    Args:
+        seed: of the random numbers.
+        height: rows of the equirectangular map.
     """
     rng = np.random.default_rng(np.random.SeedSequence([0x5C1, seed]))
     polar = (np.arange(height) + 0.5) / height * np.pi

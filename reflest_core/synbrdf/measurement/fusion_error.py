@@ -38,7 +38,11 @@ class FusionError:
 
     @classmethod
     def joined(cls, errors: list[FusionError]) -> FusionError:
-        """All voxels of several surfaces."""
+        """All voxels of several surfaces.
+
+        Args:
+            errors: of several scenes.
+        """
         return cls(
             np.concatenate([error.tilt for error in errors]),
             np.concatenate([error.offset for error in errors]),
@@ -57,7 +61,14 @@ class FusionError:
 def measure(
     request: SequenceRequest, sensor: DepthSensor, tracking: Realism, voxel_size: float
 ) -> FusionError:
-    """Scan the object of ``request`` with exact colour, ``sensor``'s depth and tracked poses."""
+    """Scan the object of ``request`` with exact colour, ``sensor``'s depth and tracked poses.
+
+    Args:
+        request: the sequence that was asked for.
+        sensor: the depth camera.
+        tracking: faults of poses.
+        voxel_size: metres.
+    """
     sequence = draw_sequence_scene(request)
     rendered = mitsuba_scene(
         sequence.mesh, ward_bsdf(sequence.material), np.ones((4, 8, 3), np.float32)

@@ -25,7 +25,12 @@ TO_YCC = np.array([[0.299, 0.587, 0.114], [-0.168736, -0.331264, 0.5], [0.5, -0.
 def jpeg_error(
     images: Iterable[tuple[NDArray[np.uint8], NDArray[np.bool_]]], quality: int
 ) -> NDArray[np.float64]:
-    """Stddev (3,) of Y, Cb and Cr in 8-bit levels over the masked pixels of (image, mask) pairs."""
+    """Stddev (3,) of Y, Cb and Cr in 8-bit levels over the masked pixels of (image, mask) pairs.
+
+    Args:
+        images: 8-bit colour with masks.
+        quality: of JPEG, 1 to 100.
+    """
     errors = [
         (compressed(image, quality)[mask].astype(np.float64) - image[mask]) @ TO_YCC.T
         for image, mask in images
@@ -36,7 +41,13 @@ def jpeg_error(
 def rendered_images(
     generation: Generation, scenes: int, samples: int = 16
 ) -> list[tuple[NDArray[np.uint8], NDArray[np.bool_]]]:
-    """One VGA image and its mask of each of the first training scenes."""
+    """One VGA image and its mask of each of the first training scenes.
+
+    Args:
+        generation: what the data set was asked to be.
+        scenes: scenes to render.
+        samples: paths of a pixel or an observation.
+    """
     renderer = SceneImages(generation, 640, 480, samples)
     images = []
     for index in range(scenes):

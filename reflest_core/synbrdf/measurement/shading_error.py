@@ -12,7 +12,11 @@ from reflest_core.synbrdf.shapes.procedural import KINDS
 
 
 def shading_error(mesh: TriangleMesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Degrees (F,) between each triangle's normal and its mean shading normal; areas (F,)."""
+    """Degrees (F,) between each triangle's normal and its mean shading normal; areas (F,).
+
+    Args:
+        mesh: the shape.
+    """
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
     flat = np.cross(b - a, c - a)
     shaded = mesh.normals[mesh.faces].sum(axis=1)
@@ -22,7 +26,13 @@ def shading_error(mesh: TriangleMesh) -> tuple[NDArray[np.float64], NDArray[np.f
 
 
 def poor_share(kind: str, seeds: range, degrees: float) -> float:
-    """Share of the area of shapes of ``kind`` whose error passes ``degrees``."""
+    """Share of the area of shapes of ``kind`` whose error passes ``degrees``.
+
+    Args:
+        kind: of procedural shape.
+        seeds: of shapes.
+        degrees: angle beyond which a normal is poor.
+    """
     shares = []
     for seed in seeds:
         error, areas = shading_error(KINDS[kind](np.random.default_rng(seed)))

@@ -74,6 +74,13 @@ class FullImageRenderer:
 
         What is traced (the object and its outline; all of a room) is denoised; the environment has
         no noise.
+
+        Args:
+            rendered: the Mitsuba scene.
+            environment: (H, W, 3) linear radiance, equirectangular.
+            pose: (4, 4) ``T_world_camera``.
+            seed: of the random numbers.
+            room: the room that the object stands in; None for distant light.
         """
         shape = (self.camera.height, self.camera.width)
         origins, directions = camera_rays(self.camera, pose[None])

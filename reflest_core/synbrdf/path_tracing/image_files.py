@@ -22,7 +22,12 @@ MILLIMETRES = 1000.0
 
 
 def write_exr(path: Path, image: NDArray[np.float32]) -> None:
-    """(H, W, 3) float32 as it is; ``OSError`` if it cannot be written."""
+    """(H, W, 3) float32 as it is; ``OSError`` if it cannot be written.
+
+    Args:
+        path: the file.
+        image: (H, W, 3) pixels.
+    """
     try:
         mi.Bitmap(np.ascontiguousarray(image, np.float32)).write(str(path))
     except RuntimeError as error:
@@ -30,18 +35,34 @@ def write_exr(path: Path, image: NDArray[np.float32]) -> None:
 
 
 def write_rgb(path: Path, image: NDArray[np.uint8], quality: int | None = None) -> None:
-    """(H, W, 3) uint8 sRGB as .png, or .jpg of a ``quality``."""
+    """(H, W, 3) uint8 sRGB as .png, or .jpg of a ``quality``.
+
+    Args:
+        path: the file.
+        image: (H, W, 3) pixels.
+        quality: of JPEG, 1 to 100; None for PNG.
+    """
     options = [] if quality is None else [cv2.IMWRITE_JPEG_QUALITY, quality]
     _write(path, image[..., ::-1], options)
 
 
 def write_depth(path: Path, depth: NDArray[np.float32]) -> None:
-    """(H, W) metres as a 16-bit .png in millimetres, 0 where unknown, as 7-Scenes and ROS do."""
+    """(H, W) metres as a 16-bit .png in millimetres, 0 where unknown, as 7-Scenes and ROS do.
+
+    Args:
+        path: the file.
+        depth: (H, W) metres, 0 where unknown.
+    """
     _write(path, np.rint(depth * MILLIMETRES).astype(np.uint16), [])
 
 
 def write_mask(path: Path, mask: NDArray[np.bool_]) -> None:
-    """(H, W) as an 8-bit .png of 0 and 255."""
+    """(H, W) as an 8-bit .png of 0 and 255.
+
+    Args:
+        path: the file.
+        mask: (H, W) bool.
+    """
     _write(path, np.where(mask, np.uint8(255), np.uint8(0)), [])
 
 

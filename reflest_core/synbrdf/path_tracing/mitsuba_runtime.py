@@ -51,7 +51,11 @@ def _llvm_library() -> str:
 
 
 def missing_package(package: str) -> RendererMissing:
-    """The error that names a ``package`` of the extra."""
+    """The error that names a ``package`` of the extra.
+
+    Args:
+        package: its name on PyPI.
+    """
     return RendererMissing(
         f"rendering needs the Python package {package}: install it with "
         "pip install 'reflest[synbrdf]'"

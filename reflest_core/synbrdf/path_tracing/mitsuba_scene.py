@@ -27,7 +27,13 @@ ENVIRONMENT_TURNS = (("z", 90.0), ("x", 90.0))
 
 
 def mitsuba_scene(mesh: TriangleMesh, bsdf: WardBSDF, radiance: NDArray[np.float32]) -> Any:
-    """The object under a lat-long map in the convention of :mod:`.environments`."""
+    """The object under a lat-long map in the convention of :mod:`.environments`.
+
+    Args:
+        mesh: the shape.
+        bsdf: the material.
+        radiance: (H, W, 3) environment, linear.
+    """
     to_world = mi.ScalarTransform4f()
     for axis, degrees in ENVIRONMENT_TURNS:
         to_world = to_world.rotate([float(axis == name) for name in "xyz"], degrees)
@@ -37,7 +43,12 @@ def mitsuba_scene(mesh: TriangleMesh, bsdf: WardBSDF, radiance: NDArray[np.float
 
 
 def mitsuba_mesh(mesh: TriangleMesh, bsdf: WardBSDF) -> Any:
-    """The object alone, in single precision."""
+    """The object alone, in single precision.
+
+    Args:
+        mesh: the shape.
+        bsdf: the material.
+    """
     properties = mi.Properties()
     properties["mesh_bsdf"] = bsdf
     shape = mi.Mesh(
@@ -55,7 +66,13 @@ class RadianceTracer:
     """Path-traces single rays, in wavefronts of one size so that a kernel compiles only once."""
 
     def __init__(self, samples: int, lanes: int = 1 << 21, depth: int = PATH_DEPTH) -> None:
-        """``samples`` a ray; ``lanes`` paths at once; ``depth`` as Mitsuba's ``max_depth``."""
+        """``samples`` a ray; ``lanes`` paths at once; ``depth`` as Mitsuba's ``max_depth``.
+
+        Args:
+            samples: paths of a pixel or an observation.
+            lanes: rays of a wavefront.
+            depth: bounces of a path at most.
+        """
         self.samples = samples
         self.rays_at_once = lanes // samples
         self.integrator = mi.load_dict({"type": "path", "max_depth": depth})
@@ -67,7 +84,14 @@ class RadianceTracer:
         directions: NDArray[np.float32],
         seed: int,
     ) -> NDArray[np.float32]:
-        """Radiance (R, 3) arriving at ``origins`` (R, 3) against unit ``directions`` (R, 3)."""
+        """Radiance (R, 3) arriving at ``origins`` (R, 3) against unit ``directions`` (R, 3).
+
+        Args:
+            scene: the scene.
+            origins: (N, 3) metres.
+            directions: (N, 3) unit, world frame.
+            seed: of the random numbers.
+        """
         parts = [
             self._trace_some(scene, origins[first:last], directions[first:last], seed + first)
             for first, last in self._chunks(len(origins))
@@ -114,7 +138,13 @@ def _gather(points: NDArray[np.float32], index: Any) -> Any:
 def first_hits(
     scene: Any, origins: NDArray[np.float32], directions: NDArray[np.float32]
 ) -> NDArray[np.float32]:
-    """Distance (R,) in metres to the first surface along each ray; infinity where there is none."""
+    """Distance (R,) in metres to the first surface along each ray; infinity where there is none.
+
+    Args:
+        scene: the scene.
+        origins: (N, 3) metres.
+        directions: (N, 3) unit, world frame.
+    """
     ray = mi.Ray3f(
         mi.Point3f(np.ascontiguousarray(origins.T)), mi.Vector3f(np.ascontiguousarray(directions.T))
     )
@@ -126,7 +156,13 @@ def first_hits(
 def first_shapes(
     scene: Any, origins: NDArray[np.float32], directions: NDArray[np.float32]
 ) -> NDArray[np.str_]:
-    """Name (R,) of the first shape along each ray; empty where there is none."""
+    """Name (R,) of the first shape along each ray; empty where there is none.
+
+    Args:
+        scene: the scene.
+        origins: (N, 3) metres.
+        directions: (N, 3) unit, world frame.
+    """
     ray = mi.Ray3f(
         mi.Point3f(np.ascontiguousarray(origins.T)), mi.Vector3f(np.ascontiguousarray(directions.T))
     )
@@ -143,7 +179,13 @@ def first_shapes(
 def first_normals(
     scene: Any, origins: NDArray[np.float32], directions: NDArray[np.float32]
 ) -> NDArray[np.float32]:
-    """Unit shading normals (R, 3), world frame, where each ray first hits; 0 where it does not."""
+    """Unit shading normals (R, 3), world frame, where each ray first hits; 0 where it does not.
+
+    Args:
+        scene: the scene.
+        origins: (N, 3) metres.
+        directions: (N, 3) unit, world frame.
+    """
     ray = mi.Ray3f(
         mi.Point3f(np.ascontiguousarray(origins.T)), mi.Vector3f(np.ascontiguousarray(directions.T))
     )

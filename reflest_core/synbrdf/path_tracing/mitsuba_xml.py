@@ -43,6 +43,13 @@ def write_scene(
 ) -> None:
     """Write ``folder`` whole: the XML with one sensor a view, the mesh, the environment.
 
+    Args:
+        folder: of the data set, or to write into.
+        scene: the scene.
+        camera: intrinsics.
+        views: indices of views.
+        samples: paths of a pixel or an observation.
+
     Raises:
         RoomNotWritten: if the scene stands in a room.
     """
@@ -63,7 +70,14 @@ def write_scene(
 
 
 def scene_xml(scene: Scene, camera: CameraIntrinsics, views: list[int], samples: int) -> bytes:
-    """The text of ``scene.xml``."""
+    """The text of ``scene.xml``.
+
+    Args:
+        scene: the scene.
+        camera: intrinsics.
+        views: indices of views.
+        samples: paths of a pixel or an observation.
+    """
     root = ElementTree.Element("scene", version=VERSION)
     about = f" SynBRDF {scene.split.value} {scene.index}: {scene.shape} under {scene.light.name} "
     root.append(ElementTree.Comment(about.replace("--", "- -")))

@@ -64,6 +64,12 @@ class SceneImages:
     def write(self, out: Path, split: Split, index: int, views: list[int]) -> Path:
         """Write ``out/SPLIT-INDEX`` with the ``views`` of one scene, unless it is there; whole.
 
+        Args:
+            out: folder to make.
+            split: train, validation or unseen.
+            index: of the scene within its split.
+            views: indices of views.
+
         Raises:
             ImagesRefused: if other images are there.
         """
@@ -88,14 +94,24 @@ class SceneImages:
         return folder
 
     def overview(self, scene: Scene) -> Overview:
-        """The scene in Mitsuba, with the exposure that its sparse scene has."""
+        """The scene in Mitsuba, with the exposure that its sparse scene has.
+
+        Args:
+            scene: the scene.
+        """
         overview = self.sparse.overview(scene, self.generation.seed)
         if self.generation.metering is Metering.FRAME:
             return overview
         return dataclasses.replace(overview, exposure=object_exposure(overview.thumbnails))
 
     def render(self, scene: Scene, overview: Overview, view: int) -> FullImage:
-        """The full image of one view."""
+        """The full image of one view.
+
+        Args:
+            scene: the scene.
+            overview: the scene seen coarsely, which exposure comes from.
+            view: index of the view.
+        """
         entropy = [self.generation.seed, scene.split.number, scene.index, view]
         seed = int(np.random.SeedSequence(entropy).generate_state(1)[0] >> 1)
         return self.renderer.render(
@@ -105,7 +121,12 @@ class SceneImages:
     def faults(
         self, scene: Scene, overview: Overview
     ) -> tuple[CameraFaults | None, list[np.random.Generator]]:
-        """What the sparse scene suffers, and for each view a stream of its own noise."""
+        """What the sparse scene suffers, and for each view a stream of its own noise.
+
+        Args:
+            scene: the scene.
+            overview: the scene seen coarsely, which exposure comes from.
+        """
         if self.generation.realism is None:
             return None, []
         rng = generator(self.generation.seed, scene.split, scene.index, Purpose.REALISM)

@@ -74,7 +74,12 @@ class SparseRenderer:
         self.bsdf = ward_bsdf(WardParameters((0.5, 0.5, 0.5), 0.1, 0.1))
 
     def render(self, scene: Scene, seed: int) -> SynbrdfScene:
-        """Trace every visible pair of point and view; the same seed gives the same scene."""
+        """Trace every visible pair of point and view; the same seed gives the same scene.
+
+        Args:
+            scene: the scene.
+            seed: of the random numbers.
+        """
         rng, trace_seed = _tracing(scene, seed)
         overview = self._overview(scene, trace_seed)
         positions, normals, _ = draw_surface_points(scene.mesh, self.settings.points, rng)
@@ -108,7 +113,12 @@ class SparseRenderer:
         )
 
     def overview(self, scene: Scene, seed: int) -> Overview:
-        """What :meth:`render` first looks at: the same exposure and thumbnails."""
+        """What :meth:`render` first looks at: the same exposure and thumbnails.
+
+        Args:
+            scene: the scene.
+            seed: of the random numbers.
+        """
         return self._overview(scene, _tracing(scene, seed)[1])
 
     def _overview(self, scene: Scene, trace_seed: int) -> Overview:
@@ -147,7 +157,12 @@ def _tracing(scene: Scene, seed: int) -> tuple[np.random.Generator, int]:
 def camera_rays(
     camera: CameraIntrinsics, poses: NDArray[np.float64]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Origins and unit directions (W * H * width, 3) through the pixel centres of every pose."""
+    """Origins and unit directions (W * H * width, 3) through the pixel centres of every pose.
+
+    Args:
+        camera: intrinsics.
+        poses: (V, 4, 4) ``T_world_camera``.
+    """
     u, v = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
     local = np.stack(
         [(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, np.ones(u.shape)], axis=-1
@@ -166,7 +181,14 @@ def visible_pairs(
     normals: NDArray[np.float32],
     centres: NDArray[np.float32],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Indices of points and views that see each other, ordered by point, then view."""
+    """Indices of points and views that see each other, ordered by point, then view.
+
+    Args:
+        rendered: the Mitsuba scene.
+        positions: (N, 3) metres.
+        normals: (N, 3) unit.
+        centres: (V, 3) camera centres, metres.
+    """
     towards = centres[None] - positions[:, None]
     cosines = np.einsum("pwk,pk->pw", _unit(towards), normals)
     point_of, view_of = np.nonzero(cosines > MAX_GRAZING_COSINE)

@@ -45,7 +45,11 @@ class WardBSDF(mi.BSDF):  # type: ignore[misc]
         )
 
     def set_parameters(self, material: WardParameters) -> None:
-        """Take another material of the same variant without a new kernel."""
+        """Take another material of the same variant without a new kernel.
+
+        Args:
+            material: Ward parameters.
+        """
         if material.variant is not self.variant:
             raise ValueError(f"this BSDF is {self.variant.value}, not {material.variant.value}")
         self._set(list(material.rho_d), material.rho_s, material.alpha)
@@ -82,7 +86,15 @@ class WardBSDF(mi.BSDF):  # type: ignore[misc]
     def sample(
         self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
     ) -> tuple[Any, Any]:
-        """Draw an incident direction; return the sample and BRDF * cosine / density."""
+        """Draw an incident direction; return the sample and BRDF * cosine / density.
+
+        Args:
+            ctx: Mitsuba context.
+            si: Mitsuba surface interaction.
+            sample1: uniform numbers that choose the lobe.
+            sample2: uniform pairs that choose the direction.
+            active: Mitsuba mask of lanes.
+        """
         side = dr.select(si.wi.z < 0.0, -1.0, 1.0)
         wi = mi.Vector3f(si.wi.x, si.wi.y, si.wi.z * side)
         material = self._material(si)
@@ -116,7 +128,14 @@ class WardBSDF(mi.BSDF):  # type: ignore[misc]
         return value, share * half_density + (1.0 - share) * wo.z * dr.inv_pi
 
     def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
-        """Return BRDF * cosine and the density of :meth:`sample`; 0 across the surface."""
+        """Return BRDF * cosine and the density of :meth:`sample`; 0 across the surface.
+
+        Args:
+            ctx: Mitsuba context.
+            si: Mitsuba surface interaction.
+            wo: outgoing directions, local frame.
+            active: Mitsuba mask of lanes.
+        """
         side = dr.select(si.wi.z < 0.0, -1.0, 1.0)
         wi = mi.Vector3f(si.wi.x, si.wi.y, si.wi.z * side)
         towards = mi.Vector3f(wo.x, wo.y, wo.z * side)
@@ -125,15 +144,33 @@ class WardBSDF(mi.BSDF):  # type: ignore[misc]
         return dr.select(valid, value, mi.Color3f(0.0)), dr.select(valid, density, 0.0)
 
     def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-        """Return BRDF * cosine."""
+        """Return BRDF * cosine.
+
+        Args:
+            ctx: Mitsuba context.
+            si: Mitsuba surface interaction.
+            wo: outgoing directions, local frame.
+            active: Mitsuba mask of lanes.
+        """
         return self.eval_pdf(ctx, si, wo, active)[0]
 
     def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-        """Return the density of :meth:`sample` over solid angle."""
+        """Return the density of :meth:`sample` over solid angle.
+
+        Args:
+            ctx: Mitsuba context.
+            si: Mitsuba surface interaction.
+            wo: outgoing directions, local frame.
+            active: Mitsuba mask of lanes.
+        """
         return self.eval_pdf(ctx, si, wo, active)[1]
 
     def traverse(self, callback: Any) -> None:
-        """Expose the parameters to Mitsuba."""
+        """Expose the parameters to Mitsuba.
+
+        Args:
+            callback: Mitsuba traversal.
+        """
         flags = mi.ParamFlags.Differentiable
         for name in ("rho_d", "rho_s", "alpha"):
             callback.put(name, getattr(self, name), flags)
@@ -144,7 +181,12 @@ class WardBSDF(mi.BSDF):  # type: ignore[misc]
 
 
 def specular_share(rho_d: NDArray[np.float64], rho_s: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Share (N,) of samples that go to the lobe of materials ``rho_d`` (N, 3), ``rho_s`` (N,)."""
+    """Share (N,) of samples that go to the lobe of materials ``rho_d`` (N, 3), ``rho_s`` (N,).
+
+    Args:
+        rho_d: diffuse albedo.
+        rho_s: specular strength.
+    """
     luminance = 0.2126 * rho_d[:, 0] + 0.7152 * rho_d[:, 1] + 0.0722 * rho_d[:, 2]
     share = rho_s / np.maximum(rho_s + luminance, 1e-6)
     return np.asarray(np.where(rho_s > 0.0, np.clip(share, 0.1, 0.9), 0.0))
@@ -154,7 +196,11 @@ mi.register_bsdf(PLUGIN, WardBSDF)
 
 
 def ward_bsdf(material: WardParameters) -> WardBSDF:
-    """Return the plugin for ``material``."""
+    """Return the plugin for ``material``.
+
+    Args:
+        material: Ward parameters.
+    """
     return mi.load_dict(  # type: ignore[no-any-return]
         {
             "type": PLUGIN,

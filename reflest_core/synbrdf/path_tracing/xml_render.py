@@ -26,6 +26,12 @@ def render_xml(
     """Linear sRGB radiance (H, W, 3) of one of the file's sensors.
 
     ``samples`` a pixel; None for what the file says.
+
+    Args:
+        path: the file.
+        sensor: index of the camera.
+        samples: paths of a pixel; None keeps the file's.
+        seed: of the random numbers.
     """
     if not path.is_file():
         raise SceneUnreadable(f"there is no Mitsuba scene at {path}")

@@ -36,7 +36,14 @@ class CameraFaults:
         view: int,
         rng: np.random.Generator,
     ) -> NDArray[np.uint8]:
-        """8-bit sRGB (H, W, 3) of linear radiance, before compression."""
+        """8-bit sRGB (H, W, 3) of linear radiance, before compression.
+
+        Args:
+            radiance: linear radiance.
+            exposure: factor from radiance to the sensor's white.
+            view: index of the view.
+            rng: random numbers; the same state draws the same.
+        """
         signal = radiance * (np.float32(exposure) * self.gains[view])
         return expose(self.noise.applied(signal, rng), 1.0)
 
@@ -47,7 +54,14 @@ class CameraFaults:
         view: int,
         rng: np.random.Generator,
     ) -> NDArray[np.uint8]:
-        """8-bit sRGB (H, W, 3) as the camera's driver hands it on."""
+        """8-bit sRGB (H, W, 3) as the camera's driver hands it on.
+
+        Args:
+            radiance: linear radiance.
+            exposure: factor from radiance to the sensor's white.
+            view: index of the view.
+            rng: random numbers; the same state draws the same.
+        """
         return compressed(self.shown(radiance, exposure, view, rng), self.jpeg_quality)
 
     def depth(
@@ -57,7 +71,14 @@ class CameraFaults:
         camera: CameraIntrinsics,
         rng: np.random.Generator,
     ) -> NDArray[np.float32]:
-        """Depth (H, W) in metres as measured, 0 where unknown."""
+        """Depth (H, W) in metres as measured, 0 where unknown.
+
+        Args:
+            depth: (H, W) metres, 0 where unknown.
+            cosines: (H, W) between view and normal.
+            camera: intrinsics.
+            rng: random numbers; the same state draws the same.
+        """
         return self.depth_sensor.measured(depth, cosines, camera, rng)
 
 
@@ -67,7 +88,14 @@ def draw_camera_faults(
     poses: NDArray[np.float64],
     streams: dict[Effect, np.random.Generator],
 ) -> CameraFaults:
-    """Draw the faults of W views; ``metered`` (W,) mean luminances, ``poses`` (W, 4, 4) true."""
+    """Draw the faults of W views; ``metered`` (W,) mean luminances, ``poses`` (W, 4, 4) true.
+
+    Args:
+        realism: which faults, and how strong.
+        metered: (V,) brightness that each view is metered by.
+        poses: (V, 4, 4) ``T_world_camera``.
+        streams: random numbers of each fault.
+    """
     return CameraFaults(
         gains=draw_view_gains(realism, metered, streams),
         noise=SensorNoise.drawn(realism, streams[Effect.SENSOR]),

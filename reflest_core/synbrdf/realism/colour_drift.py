@@ -22,6 +22,11 @@ def draw_view_gains(
     """Factors (W, 3) on the scene's exposure for each view's red, green and blue.
 
     ``metered`` (W,): each view's mean luminance. Views are in the order in which they were taken.
+
+    Args:
+        realism: which faults, and how strong.
+        metered: (V,) brightness that each view is metered by.
+        streams: random numbers of each fault.
     """
     views = len(metered)
     stops = _exposure_stops(realism, metered, streams[Effect.EXPOSURE])

@@ -29,6 +29,11 @@ def degrade(scene: SynbrdfScene, realism: Realism, rng: np.random.Generator) -> 
     colours alone have noise and artefacts (F and B average them away). Poses and view centres are
     jittered, normals and positions are as fusion leaves them, and observations fall in holes of
     the depth image. The truth and ``exposure`` stay. The scene given must not be degraded already.
+
+    Args:
+        scene: the scene.
+        realism: which faults, and how strong.
+        rng: random numbers; the same state draws the same.
     """
     stream = streams(rng)
     poses = scene.thumbnails.T_world_camera.astype(np.float64)

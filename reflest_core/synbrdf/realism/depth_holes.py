@@ -19,6 +19,9 @@ def hole_probability(cosines: NDArray[np.floating]) -> NDArray[np.float32]:
     A structured-light camera loses its pattern on grazed surfaces: Nguyen et al., "Modeling Kinect
     sensor noise for improved 3D reconstruction and tracking", 3DIMPVT 2012, found the noise to
     grow without bound, and no data to speak of, beyond 70 to 80 degrees.
+
+    Args:
+        cosines: (H, W) between view and normal.
     """
     degrees = np.rad2deg(np.arccos(np.clip(np.asarray(cosines, np.float32), -1.0, 1.0)))
     chance = 1.0 / (1.0 + np.exp((HALF_LOST - degrees) / WIDTH))

@@ -42,7 +42,12 @@ class DepthSensor:
 
     @classmethod
     def drawn(cls, realism: Realism, rng: np.random.Generator) -> DepthSensor:
-        """A scene's sensor."""
+        """A scene's sensor.
+
+        Args:
+            realism: which faults, and how strong.
+            rng: random numbers; the same state draws the same.
+        """
         holes, noise = rng.uniform(size=2)
         return cls(realism.depth_noise * noise, realism.depth_holes * holes)
 
@@ -56,6 +61,12 @@ class DepthSensor:
         """Depth (H, W) in metres as measured; 0 where the truth ``depth`` is 0, and in holes.
 
         ``cosines`` (H, W): between each pixel's ray and the normal there.
+
+        Args:
+            depth: (H, W) metres, 0 where unknown.
+            cosines: (H, W) between view and normal.
+            camera: intrinsics.
+            rng: random numbers; the same state draws the same.
         """
         if self.noise == 0.0 and self.holes == 0.0:
             return depth

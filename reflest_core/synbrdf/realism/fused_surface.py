@@ -27,7 +27,14 @@ def fused(
     realism: Realism,
     rng: np.random.Generator,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Positions and unit normals (V, 3) with the errors that fusion was measured to leave."""
+    """Positions and unit normals (V, 3) with the errors that fusion was measured to leave.
+
+    Args:
+        positions: (N, 3) metres.
+        normals: (N, 3) unit.
+        realism: which faults, and how strong.
+        rng: random numbers; the same state draws the same.
+    """
     degree = realism.normal_noise * rng.uniform()
     count = len(normals)
     spread = np.exp(TILT_SPREAD * rng.standard_normal((count, 1), np.float32))

@@ -18,13 +18,23 @@ CHROMA_ERROR = (3.2, 3.0, 2.7, 2.4, 2.1)
 
 
 def draw_quality(realism: Realism, rng: np.random.Generator) -> int:
-    """A scene's quality."""
+    """A scene's quality.
+
+    Args:
+        realism: which faults, and how strong.
+        rng: random numbers; the same state draws the same.
+    """
     quality = int(rng.integers(min(realism.jpeg_quality, BEST_QUALITY), BEST_QUALITY + 1))
     return LOSSLESS if realism.jpeg_quality == LOSSLESS else quality
 
 
 def compressed(image: NDArray[np.uint8], quality: int) -> NDArray[np.uint8]:
-    """(H, W, 3) uint8 sRGB after a round trip through JPEG with 4:2:0 chroma."""
+    """(H, W, 3) uint8 sRGB after a round trip through JPEG with 4:2:0 chroma.
+
+    Args:
+        image: (H, W, 3) pixels.
+        quality: of JPEG, 1 to 100; None for PNG.
+    """
     if quality == LOSSLESS:
         return image
     _, data = cv2.imencode(".jpg", image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
@@ -36,6 +46,11 @@ def compression_error(count: int, quality: int, rng: np.random.Generator) -> NDA
     """8-bit RGB errors (count, 3) as :func:`compressed` makes them at pixels far from each other.
 
     Independent normal errors of Y, Cb and Cr whose stddev was measured on rendered images.
+
+    Args:
+        count: pixels to draw.
+        quality: of JPEG, 1 to 100; None for PNG.
+        rng: random numbers; the same state draws the same.
     """
     luma, chroma = (
         np.interp(quality, MEASURED_QUALITIES, error) for error in (LUMA_ERROR, CHROMA_ERROR)

@@ -19,7 +19,13 @@ FRAME_SHARE = 0.5
 def jittered(
     poses: NDArray[np.float64], realism: Realism, rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """``T_world_camera`` (W, 4, 4) with errors of position and, about the camera, of direction."""
+    """``T_world_camera`` (W, 4, 4) with errors of position and, about the camera, of direction.
+
+    Args:
+        poses: (V, 4, 4) ``T_world_camera``.
+        realism: which faults, and how strong.
+        rng: random numbers; the same state draws the same.
+    """
     count = len(poses)
     degree = rng.uniform()
     error = FRAME_SHARE * rng.normal(size=(count, 6))

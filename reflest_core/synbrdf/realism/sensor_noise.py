@@ -26,12 +26,22 @@ class SensorNoise:
 
     @classmethod
     def drawn(cls, realism: Realism, rng: np.random.Generator) -> SensorNoise:
-        """A scene's noise: one gain (ISO) raises both parts."""
+        """A scene's noise: one gain (ISO) raises both parts.
+
+        Args:
+            realism: which faults, and how strong.
+            rng: random numbers; the same state draws the same.
+        """
         gain = rng.uniform()
         return cls(realism.shot_noise * gain, realism.read_noise * gain)
 
     def applied(self, signal: NDArray[np.float32], rng: np.random.Generator) -> NDArray[np.float32]:
-        """The signal with noise, same shape; it may be below 0, as before a black level is cut."""
+        """The signal with noise, same shape; it may be below 0, as before a black level is cut.
+
+        Args:
+            signal: linear radiance in units of white.
+            rng: random numbers; the same state draws the same.
+        """
         light = np.maximum(signal, np.float32(0.0))
         stddev = np.sqrt(np.float32(self.shot**2) * light + np.float32(self.read**2))
         noise = rng.standard_normal(signal.shape, dtype=np.float32)

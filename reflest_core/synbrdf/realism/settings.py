@@ -74,7 +74,11 @@ class Realism:
 
     @classmethod
     def only(cls, effects: Iterable[Effect]) -> Realism:
-        """The usual degrees of ``effects``; all others off. No effects: a perfect camera."""
+        """The usual degrees of ``effects``; all others off. No effects: a perfect camera.
+
+        Args:
+            effects: which ones.
+        """
         wanted = set(effects)
         off = {
             name: OFF.get(name, 0.0)
@@ -85,7 +89,11 @@ class Realism:
         return cls(**off)  # type: ignore[arg-type]
 
     def is_on(self, effect: Effect) -> bool:
-        """Whether ``effect`` changes anything."""
+        """Whether ``effect`` changes anything.
+
+        Args:
+            effect: which one.
+        """
         return any(getattr(self, name) != OFF.get(name, 0.0) for name in FIELDS[effect])
 
 
@@ -103,7 +111,11 @@ OFF = {"jpeg_quality": LOSSLESS}
 
 
 def parse_effects(words: Iterable[str]) -> list[Effect]:
-    """Effects of the given names; ``all`` stands for every one."""
+    """Effects of the given names; ``all`` stands for every one.
+
+    Args:
+        words: names of effects.
+    """
     effects: list[Effect] = []
     for word in words:
         if word == "all":
@@ -120,5 +132,9 @@ def parse_effects(words: Iterable[str]) -> list[Effect]:
 
 
 def streams(rng: np.random.Generator) -> dict[Effect, np.random.Generator]:
-    """One independent stream for each effect, so that turning one off leaves the others alone."""
+    """One independent stream for each effect, so that turning one off leaves the others alone.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+    """
     return dict(zip(Effect, rng.spawn(len(Effect)), strict=True))

@@ -30,12 +30,22 @@ class ViewImages:
 
 
 def meter(thumbnails: Thumbnails) -> NDArray[np.float64]:
-    """(W,) geometric mean of each view's luminance, as auto exposure sees it."""
+    """(W,) geometric mean of each view's luminance, as auto exposure sees it.
+
+    Args:
+        thumbnails: small images of all views.
+    """
     return _meter(kernel_array(thumbnails.rgbe, np.uint8))
 
 
 def with_gains(thumbnails: Thumbnails, exposure: float, gains: NDArray[np.float32]) -> ViewImages:
-    """Scale every view's radiance by its ``gains`` (W, 3) and average what the camera shows."""
+    """Scale every view's radiance by its ``gains`` (W, 3) and average what the camera shows.
+
+    Args:
+        thumbnails: small images of all views.
+        exposure: factor from radiance to the sensor's white.
+        gains: (V, 3) factors.
+    """
     return ViewImages(
         *_with_gains(
             kernel_array(thumbnails.rgbe, np.uint8),

@@ -20,6 +20,10 @@ def look_around(environment: NDArray[np.float32], exposure: float) -> list[Backg
     """:data:`FRAMES` frames through the data set's camera, at a locked ``exposure``.
 
     ``environment``: (H, W, 3) linear radiance, infinitely far (:mod:`.environments`).
+
+    Args:
+        environment: (H, W, 3) linear radiance, equirectangular.
+        exposure: factor from radiance to the sensor's white.
     """
     frames = []
     for elevation, count in RINGS:

@@ -70,7 +70,11 @@ class Relighting:
         return generation.sources(Split.TRAIN).environments
 
     def manifest(self, lights: list[EnvironmentSource]) -> dict[str, Any]:
-        """What a resumed run must agree with."""
+        """What a resumed run must agree with.
+
+        Args:
+            lights: environments to draw from.
+        """
         source = read_manifest(self.source)
         return {
             "format": FORMAT,
@@ -91,6 +95,11 @@ def relight(out: Path, relighting: Relighting, workers: AbstractContextManager[E
     """Write every shard that is not there yet; a killed run goes on where it was.
 
     ``workers`` read the source themselves; only this process writes.
+
+    Args:
+        out: folder to make.
+        relighting: what was asked for.
+        workers: processes or a cluster, as a context.
     """
     if relighting.copies < 1:
         raise RelightingRefused(f"--copies is {relighting.copies}, but must be 1 or more")
@@ -133,6 +142,12 @@ def relit_agreed(
     """Every scene that Eq. 1 holds for; a shard may end with fewer than it began with.
 
     Raises :class:`WorkerError` where this worker's ``code`` is another.
+
+    Args:
+        lights: environments to draw from.
+        code: fingerprint of the sources.
+        natural_share: share of scenes under unmixed environments.
+        task: one shard.
     """
     if source_fingerprint() != code:
         raise WorkerError("a worker has another code: install the same reflest on every machine")

@@ -51,7 +51,11 @@ NAME = "relit"
 
 
 def is_relightable(scene: SynbrdfScene) -> bool:
-    """Whether Eq. 1 holds: light from infinitely far, next to nothing of it hidden."""
+    """Whether Eq. 1 holds: light from infinitely far, next to nothing of it hidden.
+
+    Args:
+        scene: the scene.
+    """
     if scene.thumbnails.depth is not None:
         return False
     surface = scene.surface
@@ -67,7 +71,14 @@ def drawn_anew(
     rng: np.random.Generator,
     natural_share: float = NATURAL_SHARE,
 ) -> SynbrdfScene:
-    """``scene`` with another material, and another light made of ``maps`` (H, 2 H, 3), by name."""
+    """``scene`` with another material, and another light made of ``maps`` (H, 2 H, 3), by name.
+
+    Args:
+        scene: the scene.
+        maps: environments by name, (H, W, 3) linear radiance.
+        rng: random numbers; the same state draws the same.
+        natural_share: share of scenes under unmixed environments.
+    """
     if rng.uniform() < natural_share:
         name = list(maps)[int(rng.integers(len(maps)))]
         light = rotated(maps[name], float(rng.uniform(0.0, 2.0 * np.pi)))
@@ -89,6 +100,12 @@ def relit(
 
     The scene must be relightable. ``rng`` draws which of a view's observations stand for the
     object's pixels in its thumbnail.
+
+    Args:
+        scene: the scene.
+        material: Ward parameters.
+        environment: (H, W, 3) linear radiance, equirectangular.
+        rng: random numbers; the same state draws the same.
     """
     surface, thumbnails = scene.surface, scene.thumbnails
     light = _pyramid(environment)

@@ -29,6 +29,11 @@ def scene_light(
     As :func:`.background_pixels` does live, background with depth is placed where the middle of the
     surface sees it, and what has none is taken to be infinitely far. The camera's exposure is
     taken to be locked. ``looks_away``: frames that come after the views and show no object.
+
+    Args:
+        scene: the scene.
+        views: (N,) indices; the order of the scan.
+        looks_away: backgrounds of views that look away from the object.
     """
     light = LightMap()
     for directions, colours in (*backgrounds(scene, views), *looks_away):
@@ -43,6 +48,11 @@ def light_and_gains(
 
     The object's own voxels, which live are asked where parallax blurs the background, are not.
     The gains are of all W views of the scene, (W,); 1 for those that are not among ``views``.
+
+    Args:
+        scene: the scene.
+        views: (N,) indices; the order of the scan.
+        looks_away: backgrounds of views that look away from the object.
     """
     gains = np.ones(len(scene.surface.view_centres), np.float32)
     light = LightMap()
@@ -57,6 +67,9 @@ def room_light(scene: SynbrdfScene) -> KnownLight:
     """The environment as all of the scene's views show it together, in high dynamic range.
 
     As if somebody had taken a panorama of the room before, of the directions that any view shows.
+
+    Args:
+        scene: the scene.
     """
     thumbnails = scene.thumbnails
     directions = background_directions(thumbnails, scene.surface.positions.mean(axis=0))
@@ -72,7 +85,12 @@ def room_light(scene: SynbrdfScene) -> KnownLight:
 
 
 def backgrounds(scene: SynbrdfScene, views: NDArray[np.int64]) -> list[Background]:
-    """What each of ``views`` shows beside the object."""
+    """What each of ``views`` shows beside the object.
+
+    Args:
+        scene: the scene.
+        views: (N,) indices.
+    """
     return [
         (directions[is_background], colours[is_background])
         for is_background, directions, colours in zip(*_background(scene, views), strict=True)
@@ -92,7 +110,12 @@ def _background(
 def background_directions(
     thumbnails: Thumbnails, object_centre: NDArray[np.floating]
 ) -> NDArray[np.float32]:
-    """Directions (W, 36, 48, 3), of any length, from ``object_centre`` (3,) to what is seen."""
+    """Directions (W, 36, 48, 3), of any length, from ``object_centre`` (3,) to what is seen.
+
+    Args:
+        thumbnails: small images of all views.
+        object_centre: (3,) metres.
+    """
     poses = thumbnails.T_world_camera[:, None]
     towards = pixel_rays() @ thumbnails.T_world_camera[:, :3, :3].swapaxes(-1, -2)
     towards = towards.reshape(*thumbnails.is_object.shape, 3)

@@ -15,7 +15,11 @@ TILES_ACROSS = 8
 
 
 def atlas(tiles: list[NDArray[np.float32]]) -> NDArray[np.float32]:
-    """Join tiles (TEXELS, TEXELS, 3), at most ATLAS_TILES, to one image of a fixed size."""
+    """Join tiles (TEXELS, TEXELS, 3), at most ATLAS_TILES, to one image of a fixed size.
+
+    Args:
+        tiles: (h, w, 3) images.
+    """
     rows = ATLAS_TILES // TILES_ACROSS
     image = np.zeros((rows * TEXELS, TILES_ACROSS * TEXELS, 3), np.float32)
     for number, tile in enumerate(tiles):
@@ -30,6 +34,9 @@ def panel_mesh(
     """Vertices (4 P, 3), their places (4 P, 2) in the atlas, and faces (2 P, 3).
 
     Places keep half a texel off the edges of a tile, so that none shows its neighbour's paint.
+
+    Args:
+        panels: rectangles with their radiance.
     """
     corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float64)
     vertices, places = [], []
@@ -48,6 +55,10 @@ def panel_mesh(
 
 
 def spread(light: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Interpolate coarse texels (H, W, 3) to a tile."""
+    """Interpolate coarse texels (H, W, 3) to a tile.
+
+    Args:
+        light: (N, N, 3) linear radiance.
+    """
     size = (TEXELS, TEXELS)
     return np.asarray(cv2.resize(light, size, interpolation=cv2.INTER_LINEAR), np.float32)

@@ -39,7 +39,15 @@ def room_sight(
     directions: NDArray[np.float32],
     forward: NDArray[np.floating],
 ) -> RoomSight:
-    """Look along rays (R, 3) of cameras whose optical axes are ``forward`` (R, 3)."""
+    """Look along rays (R, 3) of cameras whose optical axes are ``forward`` (R, 3).
+
+    Args:
+        scene: the scene.
+        room: the room that the object stands in; None for distant light.
+        origins: (N, 3) metres.
+        directions: (N, 3) unit, world frame.
+        forward: (3,) optical axis, unit.
+    """
     distance = first_hits(scene, origins, directions).astype(np.float64)
     shapes = first_shapes(scene, origins, directions)
     depth = distance * np.einsum("ij,ij->i", directions, forward)

@@ -37,7 +37,11 @@ class Stage:
     bottom: float
 
     def is_clear(self, box: Box) -> bool:
-        """Whether ``box`` keeps off the object and stands in no view of it."""
+        """Whether ``box`` keeps off the object and stands in no view of it.
+
+        Args:
+            box: axis-aligned box.
+        """
         nearest = np.clip(np.zeros(3), box.low, box.high)
         if np.linalg.norm(nearest) < self.radius + SIGHT_MARGIN:
             return False
@@ -46,7 +50,12 @@ class Stage:
 
 
 def draw_walls(rng: np.random.Generator, stage: Stage) -> Box:
-    """The room's inside, with every camera in it."""
+    """The room's inside, with every camera in it.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        stage: what stands in the room so far.
+    """
     reach_low = -stage.cameras.min(axis=0) + CAMERA_MARGIN
     reach_high = stage.cameras.max(axis=0) + CAMERA_MARGIN
     nearest, farthest = np.log(WALL_DISTANCES)
@@ -60,7 +69,12 @@ def draw_walls(rng: np.random.Generator, stage: Stage) -> Box:
 
 
 def painted(rng: np.random.Generator, room: Box) -> list[Surface]:
-    """Four walls of one or two paints, a floor, a bright ceiling."""
+    """Four walls of one or two paints, a floor, a bright ceiling.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        room: inside of the room.
+    """
     kinds = [((0.15, 0.85), 0.2)] * 4 + [((0.05, 0.6), 0.25), ((0.6, 0.9), 0.05)]
     paints = [draw_paint(rng, brightness, chroma) for brightness, chroma in kinds]
     if rng.uniform() < 0.6:
@@ -71,7 +85,13 @@ def painted(rng: np.random.Generator, room: Box) -> list[Surface]:
 
 
 def draw_table(rng: np.random.Generator, room: Box, stage: Stage) -> list[Surface]:
-    """A table or counter that the object stands on; none where a camera is below its top."""
+    """A table or counter that the object stands on; none where a camera is below its top.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        room: inside of the room.
+        stage: what stands in the room so far.
+    """
     top = stage.bottom - TABLE_GAP
     has_table = rng.uniform() < TABLE_SHARE
     if not has_table or stage.cameras[:, 2].min() < top + 0.02 or room.low[2] > top - 0.1:
@@ -99,7 +119,13 @@ def draw_table(rng: np.random.Generator, room: Box, stage: Stage) -> list[Surfac
 
 
 def draw_furniture(rng: np.random.Generator, room: Box, stage: Stage) -> list[Surface]:
-    """Painted boxes on the floor, most of them along the walls."""
+    """Painted boxes on the floor, most of them along the walls.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        room: inside of the room.
+        stage: what stands in the room so far.
+    """
     surfaces = []
     for _ in range(int(rng.integers(2, MOST_BOXES + 1))):
         size = rng.uniform([0.3, 0.3, 0.3], [1.8, 1.2, 2.2])

@@ -45,12 +45,21 @@ class Panel:
         return np.asarray(self.corner + 0.5 * (self.across + self.up))
 
     def grid(self, rows: int, columns: int) -> FloatArray:
-        """Centres (rows, columns, 3) of its texels; row 0 lies along ``across``."""
+        """Centres (rows, columns, 3) of its texels; row 0 lies along ``across``.
+
+        Args:
+            rows: of the picture or grid.
+            columns: of the picture or grid.
+        """
         u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
         return np.asarray(self.corner + u[..., None] * self.across + v[..., None] * self.up)
 
     def turned(self, rotation: FloatArray) -> Panel:
-        """Rotated (3, 3) about the origin."""
+        """Rotated (3, 3) about the origin.
+
+        Args:
+            rotation: (3, 3).
+        """
         return Panel(rotation @ self.corner, rotation @ self.across, rotation @ self.up)
 
 
@@ -102,7 +111,11 @@ class Room:
 
 
 def even(radiance: FloatArray) -> NDArray[np.float32]:
-    """The same radiance (3,) on all of a panel."""
+    """The same radiance (3,) on all of a panel.
+
+    Args:
+        radiance: (3,) linear.
+    """
     return np.tile(radiance.astype(np.float32), (LIGHT_TEXELS, LIGHT_TEXELS, 1))
 
 
@@ -136,6 +149,11 @@ class Box:
         ]
 
     def holds(self, points: FloatArray, margin: float) -> bool:
-        """Whether any of ``points`` (P, 3) lies in the box or within ``margin`` of it."""
+        """Whether any of ``points`` (P, 3) lies in the box or within ``margin`` of it.
+
+        Args:
+            points: (N, 3) metres.
+            margin: metres.
+        """
         above, below = points > self.low - margin, points < self.high + margin
         return bool((above & below).all(axis=1).any())

@@ -30,12 +30,23 @@ class Glow(mi.Emitter):  # type: ignore[misc]
         self.m_flags = int(mi.EmitterFlags.Surface) | int(mi.EmitterFlags.SpatiallyVarying)
 
     def eval(self, si: Any, active: Any = True) -> Any:
-        """Radiance towards ``si.wi``."""
+        """Radiance towards ``si.wi``.
+
+        Args:
+            si: Mitsuba surface interaction.
+            active: Mitsuba mask of lanes.
+        """
         is_front = mi.Mask(active) & (si.wi.z > 0.0)
         return dr.select(is_front, self.radiance.eval(si, is_front), mi.Color3f(0.0))
 
     def sample_direction(self, it: Any, sample: Any, active: Any = True) -> tuple[Any, Any]:
-        """Choose a place on the shape; return it, and its radiance / density over solid angle."""
+        """Choose a place on the shape; return it, and its radiance / density over solid angle.
+
+        Args:
+            it: Mitsuba interaction.
+            sample: uniform pairs.
+            active: Mitsuba mask of lanes.
+        """
         ds = self.get_shape().sample_direction(it, sample, active)
         is_lit = mi.Mask(active) & (dr.dot(ds.d, ds.n) < 0.0) & (ds.pdf > 0.0)
         ds.emitter = mi.EmitterPtr(self)
@@ -44,12 +55,24 @@ class Glow(mi.Emitter):  # type: ignore[misc]
         return ds, dr.select(is_lit, radiance / ds.pdf, mi.Color3f(0.0))
 
     def pdf_direction(self, it: Any, ds: Any, active: Any = True) -> Any:
-        """Density of :meth:`sample_direction` over solid angle."""
+        """Density of :meth:`sample_direction` over solid angle.
+
+        Args:
+            it: Mitsuba interaction.
+            ds: Mitsuba direction sample.
+            active: Mitsuba mask of lanes.
+        """
         is_lit = mi.Mask(active) & (dr.dot(ds.d, ds.n) < 0.0)
         return dr.select(is_lit, self.get_shape().pdf_direction(it, ds, is_lit), 0.0)
 
     def eval_direction(self, it: Any, ds: Any, active: Any = True) -> Any:
-        """Radiance from a place that :meth:`sample_direction` chose."""
+        """Radiance from a place that :meth:`sample_direction` chose.
+
+        Args:
+            it: Mitsuba interaction.
+            ds: Mitsuba direction sample.
+            active: Mitsuba mask of lanes.
+        """
         is_lit = mi.Mask(active) & (dr.dot(ds.d, ds.n) < 0.0)
         si = mi.SurfaceInteraction3f(ds, it.wavelengths)
         return dr.select(is_lit, self.radiance.eval(si, is_lit), mi.Color3f(0.0))
@@ -63,10 +86,19 @@ mi.register_emitter(PLUGIN, Glow)
 
 
 def glow(radiance: NDArray[np.float32], weight: float) -> Any:
-    """The emitter of ``radiance`` (H, W, 3); shadow rays aim at it as ``weight`` says."""
+    """The emitter of ``radiance`` (H, W, 3); shadow rays aim at it as ``weight`` says.
+
+    Args:
+        radiance: linear radiance.
+        weight: of the emitter in sampling.
+    """
     return mi.load_dict({"type": PLUGIN, "radiance": texture(radiance), "sampling_weight": weight})
 
 
 def texture(image: NDArray[np.float32]) -> dict[str, Any]:
-    """Linear values (H, W, 3) as they are; row 0 lies at v = 0."""
+    """Linear values (H, W, 3) as they are; row 0 lies at v = 0.
+
+    Args:
+        image: (H, W, 3) pixels.
+    """
     return {"type": "bitmap", "bitmap": mi.Bitmap(image), "raw": True, "wrap_mode": "clamp"}

@@ -41,6 +41,9 @@ def light_shapes(room: Room) -> dict[str, Any]:
 
     As many for every room, or each room would compile kernels of its own: those that a room does
     not have are dark, and outside.
+
+    Args:
+        room: the room that the object stands in; None for distant light.
     """
     panels = _named(LAMP, _filled(room.lamps, MOST_LAMPS))
     panels |= _named(WINDOW, _filled(room.windows, MOST_WINDOWS))

@@ -27,7 +27,12 @@ OFF_WALL = 0.01
 
 
 def draw_ceiling_lamps(rng: np.random.Generator, room: Box) -> list[PanelLight]:
-    """One to four alike panels under the ceiling."""
+    """One to four alike panels under the ceiling.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        room: inside of the room.
+    """
     span = room.high - room.low
     edges = np.minimum(rng.uniform([0.15, 0.15], [0.6, 1.5]), 0.5 * span[:2])
     edges = edges if rng.uniform() < 0.5 else np.minimum(edges[::-1], 0.5 * span[:2])
@@ -42,7 +47,13 @@ def draw_ceiling_lamps(rng: np.random.Generator, room: Box) -> list[PanelLight]:
 
 
 def draw_globes(rng: np.random.Generator, room: Box, stage: Stage) -> list[Globe]:
-    """Up to two balls of light, where they hide nothing."""
+    """Up to two balls of light, where they hide nothing.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        room: inside of the room.
+        stage: what stands in the room so far.
+    """
     globes = []
     for _ in range(int(rng.integers(1, MOST_GLOBES + 1))):
         radius = rng.uniform(0.04, 0.2)
@@ -54,7 +65,13 @@ def draw_globes(rng: np.random.Generator, room: Box, stage: Stage) -> list[Globe
 
 
 def draw_softbox(rng: np.random.Generator, room: Box, stage: Stage) -> list[PanelLight]:
-    """A photographer's large lamp that faces the object; none where it finds no place."""
+    """A photographer's large lamp that faces the object; none where it finds no place.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        room: inside of the room.
+        stage: what stands in the room so far.
+    """
     azimuth, elevation = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(0.0, 1.1)
     towards = np.array(
         [
@@ -79,7 +96,12 @@ def draw_softbox(rng: np.random.Generator, room: Box, stage: Stage) -> list[Pane
 
 
 def draw_window_panels(rng: np.random.Generator, room: Box) -> list[Panel]:
-    """One to three panes in the walls."""
+    """One to three panes in the walls.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        room: inside of the room.
+    """
     panels = []
     for side in rng.permutation(4)[: int(rng.integers(1, MOST_WINDOWS + 1))]:
         wall = room.inside[int(side)]
@@ -92,7 +114,13 @@ def draw_window_panels(rng: np.random.Generator, room: Box) -> list[Panel]:
 
 
 def window(rng: np.random.Generator, panel: Panel, outside: NDArray[np.float32]) -> PanelLight:
-    """A pane that shows ``outside``, a lat-long map, as the origin sees it. World frame."""
+    """A pane that shows ``outside``, a lat-long map, as the origin sees it. World frame.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        panel: the rectangle.
+        outside: (H, W, 3) environment that the window shows.
+    """
     towards = panel.grid(LIGHT_TEXELS, LIGHT_TEXELS).reshape(-1, 3)
     towards = towards / np.linalg.norm(towards, axis=1, keepdims=True)
     seen = radiance_from(outside, towards.astype(np.float32)) / np.float32(outside.mean())

@@ -20,6 +20,11 @@ def draw_paint(
 
     ``brightness``: range of the ground colour. ``chroma``: standard deviation of the logarithms of
     its channels.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        brightness: least and most of the maximum channel.
+        chroma: most saturation.
     """
     ground = rng.uniform(*brightness) * np.exp(rng.normal(0.0, chroma, 3))
     albedo = np.tile(ground, (TEXELS, TEXELS, 1))

@@ -42,7 +42,14 @@ class RoomBuilder:
         self.tracer = RadianceTracer(samples, lanes=1 << 19, depth=BAKE_DEPTH)
 
     def scene(self, mesh: TriangleMesh, bsdf: WardBSDF, room: Room, seed: int) -> Any:
-        """The object in the room; equal seeds give equal scenes."""
+        """The object in the room; equal seeds give equal scenes.
+
+        Args:
+            mesh: the shape.
+            bsdf: the material.
+            room: the room that the object stands in; None for distant light.
+            seed: of the random numbers.
+        """
         lights = light_shapes(room)
         shape = mitsuba_mesh(mesh, bsdf)
         albedo = atlas([surface.albedo for surface in room.surfaces])

@@ -19,7 +19,15 @@ def textured_mesh(
     bsdf: Any | None = None,
     emitter: Any | None = None,
 ) -> Any:
-    """Vertices (V, 3) in metres with their ``places`` (V, 2) in the texture; faces (F, 3)."""
+    """Vertices (V, 3) in metres with their ``places`` (V, 2) in the texture; faces (F, 3).
+
+    Args:
+        vertices: (N, 3) metres.
+        places: (N, 2) texture coordinates.
+        faces: (F, 3) vertex indices.
+        bsdf: Mitsuba BSDF; None for black.
+        emitter: Mitsuba emitter; None for none.
+    """
     properties = mi.Properties()
     if bsdf is not None:
         properties["mesh_bsdf"] = bsdf

@@ -23,6 +23,10 @@ def auto_exposure(radiance: NDArray[np.float32], clipped_share: float = 0.1) -> 
 
     The geometric mean of the luminance becomes middle grey, unless more than ``clipped_share`` of
     the pixels would then pass 1; in that case exactly that share does.
+
+    Args:
+        radiance: linear radiance.
+        clipped_share: of pixels above white.
     """
     light = luminance(np.asarray(radiance, dtype=np.float64).reshape(-1, 3))
     brightest = float(np.quantile(light, 1.0 - clipped_share))
@@ -34,6 +38,11 @@ def auto_exposure(radiance: NDArray[np.float32], clipped_share: float = 0.1) -> 
 
 
 def expose(radiance: NDArray[np.float32], exposure: float) -> NDArray[np.uint8]:
-    """Return 8-bit sRGB of linear radiance (..., 3): scaled, clipped, encoded, rounded."""
+    """Return 8-bit sRGB of linear radiance (..., 3): scaled, clipped, encoded, rounded.
+
+    Args:
+        radiance: linear radiance.
+        exposure: factor from radiance to the sensor's white.
+    """
     encoded = srgb.encode(np.asarray(radiance, dtype=np.float32) * np.float32(exposure))
     return np.asarray(np.rint(encoded * 255.0), dtype=np.uint8)

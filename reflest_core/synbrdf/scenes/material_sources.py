@@ -64,6 +64,9 @@ class Materials:
     def draw(self, rng: np.random.Generator) -> NamedMaterial:
         """Draw a material; equal generator states give equal ones.
 
+        Args:
+            rng: random numbers; the same state draws the same.
+
         Raises:
             MaterialFitsUnreadable: If ``fits`` cannot be read.
         """

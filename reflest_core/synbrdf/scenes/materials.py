@@ -35,6 +35,10 @@ def to_ward(
     ``alpha = 0.001 + (15 - doi) * 0.2 / 15``; ``rho_s`` inverts Eq. 2's contrast
     ``c = cbrt(rho_s + rho_d / 2) - cbrt(rho_d / 2)`` with ``rho_d`` its Rec. 709 luminance. Both
     are divided by ``max(rho_d) + rho_s`` where that passes 1.
+
+    Args:
+        label: colour, contrast and distinctness of gloss.
+        variant: of Ward's model.
     """
     colour = np.asarray(label.colour, dtype=np.float64)
     value = colour.max()
@@ -51,6 +55,9 @@ def draw_label(rng: np.random.Generator) -> OpenSurfacesLabel:
 
     Two materials in ten are matte; the rest have a contrast of any size, small ones more often,
     as the annotated surfaces of OpenSurfaces do.
+
+    Args:
+        rng: random numbers; the same state draws the same.
     """
     saturation = rng.beta(1.2, 1.8)
     colour = colorsys.hsv_to_rgb(rng.uniform(), saturation, rng.beta(3.0, 1.5))
@@ -62,5 +69,10 @@ def draw_label(rng: np.random.Generator) -> OpenSurfacesLabel:
 def draw_material(
     rng: np.random.Generator, variant: WardVariant = WardVariant.WARD_1992
 ) -> WardParameters:
-    """Draw a material; the same generator state gives the same one."""
+    """Draw a material; the same generator state gives the same one.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        variant: of Ward's model.
+    """
     return to_ward(draw_label(rng), variant)

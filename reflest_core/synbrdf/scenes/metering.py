@@ -29,6 +29,10 @@ def remetered(scene: SynbrdfScene, metering: Metering) -> SynbrdfScene:
     """The scene as a camera of this ``metering`` would have exposed it: colours, F, B, exposure.
 
     ``FRAME`` is how scenes are rendered and returns the scene itself.
+
+    Args:
+        scene: the scene.
+        metering: what the camera exposes for.
     """
     if metering is Metering.FRAME:
         return scene
@@ -45,14 +49,23 @@ def remetered(scene: SynbrdfScene, metering: Metering) -> SynbrdfScene:
 
 
 def object_exposure(thumbnails: Thumbnails) -> float:
-    """:func:`.auto_exposure` of the object's pixels in all views together."""
+    """:func:`.auto_exposure` of the object's pixels in all views together.
+
+    Args:
+        thumbnails: small images of all views.
+    """
     return auto_exposure(thumbnails.radiance()[thumbnails.is_object])
 
 
 def mean_colours(
     images: NDArray[np.uint8], is_foreground: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """F and B (W, 3), mean 8-bit colour of (W, P, 3) images; NaN where there is no such pixel."""
+    """F and B (W, 3), mean 8-bit colour of (W, P, 3) images; NaN where there is no such pixel.
+
+    Args:
+        images: (V, h, w, 3) 8-bit.
+        is_foreground: (V, h, w) bool.
+    """
     with np.errstate(invalid="ignore"):
         means = [
             np.where(part[..., None], images, 0).sum(axis=1) / part.sum(axis=1)[:, None]

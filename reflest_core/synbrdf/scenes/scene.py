@@ -83,7 +83,16 @@ def draw_scene(
     views: int,
     lighting: Lighting = Lighting.NATURAL,
 ) -> Scene:
-    """Scene ``index`` of ``split``; the same arguments give the same scene."""
+    """Scene ``index`` of ``split``; the same arguments give the same scene.
+
+    Args:
+        seed: of the random numbers.
+        split: train, validation or unseen.
+        index: of the scene within its split.
+        sources: environments and shapes to draw from.
+        views: views of the scene.
+        lighting: natural, diverse or near.
+    """
     is_diverse = lighting is Lighting.DIVERSE and split is Split.TRAIN
     is_near = lighting is Lighting.NEAR
     purpose = Purpose.DRAW_DIVERSE if is_diverse else Purpose.DRAW

@@ -54,12 +54,21 @@ class SynbrdfScene:
 
 
 def save_shard(path: Path, scenes: list[SynbrdfScene]) -> None:
-    """Write atomically; equal scenes give equal bytes."""
+    """Write atomically; equal scenes give equal bytes.
+
+    Args:
+        path: the file.
+        scenes: of the data set.
+    """
     write_whole(path, shard_bytes(scenes))
 
 
 def shard_bytes(scenes: list[SynbrdfScene]) -> bytes:
-    """A shard's file; equal scenes give equal bytes."""
+    """A shard's file; equal scenes give equal bytes.
+
+    Args:
+        scenes: of the data set.
+    """
     arrays: dict[str, NDArray[Any]] = {}
     cards = []
     for number, scene in enumerate(scenes):
@@ -90,7 +99,11 @@ def _with_sorted_header(data: bytes) -> bytes:
 
 
 def load_shard(path: Path) -> list[SynbrdfScene]:
-    """All scenes of one shard; :class:`SceneFileError` names a file that cannot be used."""
+    """All scenes of one shard; :class:`SceneFileError` names a file that cannot be used.
+
+    Args:
+        path: a shard.
+    """
     try:
         with safe_open(path, framework="numpy") as file:
             metadata = file.metadata() or {}
@@ -107,7 +120,12 @@ def load_shard(path: Path) -> list[SynbrdfScene]:
 
 
 def load_scenes(folder: Path, split: str) -> Iterator[SynbrdfScene]:
-    """Scenes of one split, in order, from every shard that is there."""
+    """Scenes of one split, in order, from every shard that is there.
+
+    Args:
+        folder: of the data set, or to write into.
+        split: train, validation or unseen.
+    """
     if not (folder / MANIFEST).is_file():
         raise SceneFileError(f"{folder} has no {MANIFEST}; make it with 'reflest synbrdf generate'")
     for path in sorted(folder.glob(f"{split}-*.safetensors")):
@@ -115,7 +133,11 @@ def load_scenes(folder: Path, split: str) -> Iterator[SynbrdfScene]:
 
 
 def sha256(path: Path) -> str:
-    """Hash (hex) of a file's bytes."""
+    """Hash (hex) of a file's bytes.
+
+    Args:
+        path: the file.
+    """
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 

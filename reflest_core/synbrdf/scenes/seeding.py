@@ -30,6 +30,13 @@ class Purpose(enum.Enum):
 
 
 def generator(seed: int, split: Split, index: int, purpose: Purpose) -> np.random.Generator:
-    """The stream for scene ``index`` of ``split`` in the data set of ``seed``."""
+    """The stream for scene ``index`` of ``split`` in the data set of ``seed``.
+
+    Args:
+        seed: of the random numbers.
+        split: train, validation or unseen.
+        index: of the scene within its split.
+        purpose: what the numbers are for.
+    """
     entropy = [seed, split.number, index, purpose.value]
     return np.random.default_rng(np.random.SeedSequence(entropy))

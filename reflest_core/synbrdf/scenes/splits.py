@@ -45,7 +45,14 @@ class Sources:
 def sources_of(
     split: Split, environments: list[EnvironmentSource], meshes: list[MeshSource], seed: int
 ) -> Sources:
-    """The split's share of all sources, drawn by ``seed``; needs at least two environments."""
+    """The split's share of all sources, drawn by ``seed``; needs at least two environments.
+
+    Args:
+        split: train, validation or unseen.
+        environments: all environments.
+        meshes: all mesh files.
+        seed: of the random numbers.
+    """
     if len(environments) < 2:
         raise SplitError(
             f"an unseen split needs at least 2 environments, not {len(environments)}: give more "

@@ -36,7 +36,11 @@ class Thumbnails:
         return rgbe.decode(self.rgbe)
 
     def of_views(self, views: NDArray[np.int64]) -> Thumbnails:
-        """The thumbnails of some views."""
+        """The thumbnails of some views.
+
+        Args:
+            views: (N,) indices.
+        """
         return Thumbnails(
             self.rgbe[views],
             self.is_object[views],

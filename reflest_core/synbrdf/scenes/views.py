@@ -30,6 +30,11 @@ def look_at(
     """Return ``T_world_camera`` (4, 4) of an optical frame (z forward, x right, y down).
 
     World z is up in the image but for ``roll`` in radians about the optical axis.
+
+    Args:
+        centre: (3,) camera centre, metres.
+        target: (3,) point to look at, metres.
+        roll: radians about the optical axis.
     """
     forward = (target - centre) / np.linalg.norm(target - centre)
     up = np.array([0.0, 0.0, 1.0]) if abs(forward[2]) < 0.999 else np.array([1.0, 0.0, 0.0])
@@ -51,6 +56,11 @@ def draw_views(
 
     The camera stays 0.5 to 1.5 m away (never nearer than the object's diameter) and aims at a
     point near the object, as a hand does.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        count: how many.
+        object_diameter: metres.
     """
     patterns = list(PATTERN_SHARES)
     pattern = patterns[rng.choice(len(patterns), p=list(PATTERN_SHARES.values()))]
@@ -69,7 +79,12 @@ def draw_views(
 
 
 def smooth_noise(rng: np.random.Generator, count: int, *channels: int) -> NDArray[np.float64]:
-    """Return a slow wander over ``count`` steps, roughly within [-1, 1]: a sum of sinusoids."""
+    """Return a slow wander over ``count`` steps, roughly within [-1, 1]: a sum of sinusoids.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        count: how many.
+    """
     time = np.linspace(0.0, 1.0, count).reshape(-1, *(1 for _ in channels))
     total = np.zeros((count, *channels))
     for cycles in (1.0, 2.3, 5.1):

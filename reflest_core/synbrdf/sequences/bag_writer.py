@@ -47,6 +47,12 @@ def write_bag(
     ``rgb8``, ``16UC1`` in millimetres, a pinhole ``CameraInfo`` and the pose of the camera's
     optical frame in ``map``. Equal frames give equal bytes. Compression makes a bag small and slow
     to write; one that is played on the spot does without.
+
+    Args:
+        path: the file.
+        camera: intrinsics.
+        frames: images with poses, in order.
+        is_compressed: whether images are stored as PNG and JPEG.
     """
     store = get_typestore(Stores.ROS2_JAZZY)
     writer = Writer(path, version=9, storage_plugin=StoragePlugin.MCAP)

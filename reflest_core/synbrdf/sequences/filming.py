@@ -34,7 +34,12 @@ REALISM_STREAM = 0x5EA1
 
 
 def depth_camera(width: int, height: int) -> CameraIntrinsics:
-    """A VGA depth camera's view: the optical axis passes through the middle of the image."""
+    """A VGA depth camera's view: the optical axis passes through the middle of the image.
+
+    Args:
+        width: pixels.
+        height: pixels.
+    """
     focal = FOCAL_LENGTH * width
     return CameraIntrinsics(width, height, focal, focal, 0.5 * (width - 1), 0.5 * (height - 1))
 
@@ -88,7 +93,12 @@ class Film:
     """
 
     def __init__(self, stage: Stage, settings: FilmSettings) -> None:
-        """Meter the exposure and draw the camera's faults."""
+        """Meter the exposure and draw the camera's faults.
+
+        Args:
+            stage: what is filmed.
+            settings: size, rate and samples of the film.
+        """
         self.camera = depth_camera(settings.width, settings.height)
         self._stage, self._settings = stage, settings
         last = len(stage.poses) - 1

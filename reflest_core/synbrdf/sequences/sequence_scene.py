@@ -78,6 +78,14 @@ class SequenceRequest:
 def check_film(seed: int, frames: int, width: int, height: int, samples: int, rate: float) -> None:
     """Refuse numbers that no sequence can have.
 
+    Args:
+        seed: of the random numbers.
+        frames: number of frames.
+        width: pixels.
+        height: pixels.
+        samples: paths of a pixel or an observation.
+        rate: frames a second.
+
     Raises:
         SequenceRefused: If one is outside its range.
     """
@@ -110,7 +118,11 @@ class SequenceScene:
 
 
 def draw_sequence_scene(request: SequenceRequest) -> SequenceScene:
-    """Draw the scene; choosing a material or a shape leaves the rest of it as it was."""
+    """Draw the scene; choosing a material or a shape leaves the rest of it as it was.
+
+    Args:
+        request: the sequence that was asked for.
+    """
     streams = np.random.SeedSequence([_STREAM, request.seed]).spawn(4)
     of_material, of_shape, of_light, of_views = map(np.random.default_rng, streams)
     mesh, name = _draw_shape(of_shape, request)

@@ -18,7 +18,15 @@ TRUTH = "truth.json"
 def write_truth(
     folder: Path, request: SequenceRequest, scene: SequenceScene, exposure: float, command: str
 ) -> None:
-    """Write ``truth.json``. The estimator never opens it."""
+    """Write ``truth.json``. The estimator never opens it.
+
+    Args:
+        folder: of the data set, or to write into.
+        request: the sequence that was asked for.
+        scene: the scene.
+        exposure: factor from radiance to the sensor's white.
+        command: that reproduces the sequence.
+    """
     material, labcd = scene.material, to_labcd(scene.material)
     truth: dict[str, Any] = {
         "ward_variant": material.variant.value,

@@ -11,7 +11,11 @@ from reflest_core.synbrdf.shapes.mesh import FloatArray, TriangleMesh
 
 
 def draw_blob(rng: np.random.Generator) -> TriangleMesh:
-    """Draw 2 to 8 bumps that overlap, each flattened a little in its own direction."""
+    """Draw 2 to 8 bumps that overlap, each flattened a little in its own direction.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+    """
     count = int(rng.integers(2, 9))
     centres = rng.normal(size=(count, 3))
     centres *= rng.uniform(0.1, 0.75, (count, 1)) / np.linalg.norm(centres, axis=1, keepdims=True)

@@ -16,7 +16,11 @@ RESOLUTION = 72
 
 
 def draw_csg(rng: np.random.Generator) -> TriangleMesh:
-    """Draw 2 to 6 primitives that overlap; the last is cut away from one solid in three."""
+    """Draw 2 to 6 primitives that overlap; the last is cut away from one solid in three.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+    """
     while True:
         parts = [_primitive(rng) for _ in range(int(rng.integers(2, 7)))]
         blend = rng.uniform(0.005, 0.15)

@@ -25,7 +25,12 @@ class EmptyShape(ValueError):
 
 
 def mesh_of(field: Field, resolution: int = RESOLUTION) -> TriangleMesh:
-    """Return the outer surface of the largest connected solid, normals from the gradient."""
+    """Return the outer surface of the largest connected solid, normals from the gradient.
+
+    Args:
+        field: signed distance, negative inside.
+        resolution: cells along an edge.
+    """
     axis = np.linspace(-EXTENT, EXTENT, resolution)
     spacing = float(axis[1] - axis[0])
     values = field(np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1))

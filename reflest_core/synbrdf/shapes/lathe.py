@@ -21,6 +21,9 @@ def draw_lathe(rng: np.random.Generator) -> TriangleMesh:
     """Draw a profile of 4 to 8 radii (smooth, or with sharp rings) and turn it about z.
 
     Flutes run up one turned form in three.
+
+    Args:
+        rng: random numbers; the same state draws the same.
     """
     knots = int(rng.integers(4, 9))
     heights = np.sort(rng.uniform(0.0, 1.0, knots))

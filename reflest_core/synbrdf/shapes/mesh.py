@@ -36,18 +36,31 @@ class TriangleMesh:
         return 2.0 * float(np.linalg.norm(self.vertices, axis=1).max())
 
     def moved(self, rotation: FloatArray, diameter: float) -> TriangleMesh:
-        """Centre the bounding box at the origin, rotate (3, 3), and scale to ``diameter``."""
+        """Centre the bounding box at the origin, rotate (3, 3), and scale to ``diameter``.
+
+        Args:
+            rotation: (3, 3).
+            diameter: metres.
+        """
         vertices = (self.vertices - _box_centre(self.vertices)) @ rotation.T
         vertices = vertices - _box_centre(vertices)
         scale = diameter / (2.0 * np.linalg.norm(vertices, axis=1).max())
         return TriangleMesh(vertices * scale, self.normals @ rotation.T, self.faces)
 
     def shifted(self, offset: FloatArray) -> TriangleMesh:
-        """The same at another place; ``offset`` (3,) in metres."""
+        """The same at another place; ``offset`` (3,) in metres.
+
+        Args:
+            offset: (3,) metres.
+        """
         return TriangleMesh(self.vertices + offset, self.normals, self.faces)
 
     def subdivided(self, longest: float) -> TriangleMesh:
-        """Split every face with an edge longer than ``longest`` metres into four, until none is."""
+        """Split every face with an edge longer than ``longest`` metres into four, until none is.
+
+        Args:
+            longest: longest edge, metres.
+        """
         vertices, normals, faces = self.vertices, self.normals, self.faces
         while True:
             corners = vertices[faces]
@@ -75,6 +88,11 @@ def with_crease_normals(
 
     A corner's normal is the area-weighted mean of those faces at its vertex that lie within the
     angle of its own face; every corner becomes a vertex.
+
+    Args:
+        vertices: (N, 3) metres.
+        faces: (F, 3) vertex indices.
+        crease_angle: radians between faces from which on an edge is sharp.
     """
     faces = faces[np.linalg.norm(_face_vectors(vertices, faces), axis=1) > 0.0]
     weighted = _face_vectors(vertices, faces)
@@ -98,14 +116,26 @@ def with_crease_normals(
 
 
 def facing_outwards(vertices: FloatArray, faces: IntArray) -> IntArray:
-    """Flip all faces if the signed volume that they enclose is negative."""
+    """Flip all faces if the signed volume that they enclose is negative.
+
+    Args:
+        vertices: (N, 3) metres.
+        faces: (F, 3) vertex indices.
+    """
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum()
     return faces if volume >= 0.0 else faces[:, ::-1]
 
 
 def grid_faces(rows: int, columns: int, wrap_rows: bool, wrap_columns: bool) -> IntArray:
-    """Triangles (F, 3) of a (rows, columns) grid of vertices, closed round where it wraps."""
+    """Triangles (F, 3) of a (rows, columns) grid of vertices, closed round where it wraps.
+
+    Args:
+        rows: of the picture or grid.
+        columns: of the picture or grid.
+        wrap_rows: whether the last row meets the first.
+        wrap_columns: whether the last column meets the first.
+    """
     row = np.arange(rows if wrap_rows else rows - 1)[:, None]
     column = np.arange(columns if wrap_columns else columns - 1)[None, :]
     next_row, next_column = (row + 1) % rows, (column + 1) % columns

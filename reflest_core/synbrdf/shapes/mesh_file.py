@@ -39,6 +39,9 @@ def find_meshes(path: Path) -> list[MeshSource]:
 
     An .npz collection holds ``NAME/v`` (V, 3), float or uint16 (``v / 32767.5 - 1``), and
     ``NAME/f`` (F, 3).
+
+    Args:
+        path: a file, or a folder of them.
     """
     files = sorted(path.iterdir()) if path.is_dir() else [path]
     sources: list[MeshSource] = []
@@ -53,7 +56,11 @@ def find_meshes(path: Path) -> list[MeshSource]:
 
 
 def load_mesh(source: MeshSource) -> TriangleMesh:
-    """Read a mesh; edges sharper than 40 degrees stay sharp."""
+    """Read a mesh; edges sharper than 40 degrees stay sharp.
+
+    Args:
+        source: the file or procedural kind.
+    """
     try:
         vertices, faces = _read(source)
         if len(faces) == 0 or not np.isfinite(vertices).all():

@@ -28,13 +28,23 @@ DIAMETERS = (0.15, 0.5)
 
 
 def draw_procedural(rng: np.random.Generator, kind: str | None = None) -> tuple[TriangleMesh, str]:
-    """Draw a shape of ``kind`` (any kind if None), unplaced; return it with its kind."""
+    """Draw a shape of ``kind`` (any kind if None), unplaced; return it with its kind.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        kind: of shape; None draws one.
+    """
     chosen = kind or list(KINDS)[int(rng.integers(len(KINDS)))]
     return KINDS[chosen](rng), chosen
 
 
 def draw_rotation(rng: np.random.Generator, upright: bool) -> FloatArray:
-    """Draw a rotation (3, 3): about the vertical only, or any."""
+    """Draw a rotation (3, 3): about the vertical only, or any.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        upright: turn about the vertical alone.
+    """
     if upright:
         matrix = Rotation.from_euler("z", rng.uniform(0.0, 2.0 * np.pi)).as_matrix()
     else:

@@ -18,7 +18,11 @@ ROWS, COLUMNS = 72, 120
 
 
 def draw_superquadric(rng: np.random.Generator) -> TriangleMesh:
-    """Draw a superellipsoid (from pillow to box to diamond) displaced along its radius."""
+    """Draw a superellipsoid (from pillow to box to diamond) displaced along its radius.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+    """
     squareness = rng.uniform(0.25, 1.7, 2)
     axes = rng.uniform(0.5, 1.0, 3)
     latitude = np.linspace(-0.5 * np.pi + 1e-3, 0.5 * np.pi - 1e-3, ROWS)[:, None]

@@ -18,7 +18,11 @@ STEPS, COLUMNS = 200, 40
 
 
 def draw_sweep(rng: np.random.Generator) -> TriangleMesh:
-    """Draw a closed curve of low frequency and sweep a section of changing radius along it."""
+    """Draw a closed curve of low frequency and sweep a section of changing radius along it.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+    """
     time = np.linspace(0.0, 2.0 * np.pi, STEPS, endpoint=False)
     path = np.stack([np.cos(time), np.sin(time), np.zeros(STEPS)], axis=1)
     for cycles in (2, 3):

@@ -28,7 +28,11 @@ class FaceWardBSDF(WardBSDF):
     """
 
     def set_faces(self, painted: PaintedMesh) -> None:
-        """Take the materials of ``painted``, whose mesh the BSDF must be of."""
+        """Take the materials of ``painted``, whose mesh the BSDF must be of.
+
+        Args:
+            painted: a mesh with a material for each face.
+        """
         rho_d, rho_s = painted.rho_d.astype(np.float64), painted.rho_s.astype(np.float64)
         self.faces = [
             *(_table(rho_d[:, channel]) for channel in range(3)),
@@ -55,7 +59,11 @@ mi.register_bsdf(PLUGIN, FaceWardBSDF)
 
 
 def face_ward_bsdf(painted: PaintedMesh) -> FaceWardBSDF:
-    """The plugin for the faces of ``painted``."""
+    """The plugin for the faces of ``painted``.
+
+    Args:
+        painted: a mesh with a material for each face.
+    """
     bsdf: FaceWardBSDF = mi.load_dict({"type": PLUGIN})
     bsdf.set_faces(painted)
     return bsdf

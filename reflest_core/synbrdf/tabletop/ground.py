@@ -36,7 +36,13 @@ class Setting(enum.Enum):
 
 
 def draw_ground(rng: np.random.Generator, setting: Setting, materials: Materials) -> PaintedMesh:
-    """The ground that objects stand on at z = 0, with its middle at the origin."""
+    """The ground that objects stand on at z = 0, with its middle at the origin.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        setting: table or corner.
+        materials: the source of materials.
+    """
     if setting is Setting.TABLE:
         half = rng.uniform(*TABLE_EXTENTS, 2)
         is_round = rng.uniform() < ROUND_SHARE

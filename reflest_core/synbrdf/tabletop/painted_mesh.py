@@ -58,12 +58,20 @@ class PaintedMesh:
         return np.array(values, np.float32)[self.material_of_face]
 
     def shifted(self, offset: NDArray[np.float64]) -> PaintedMesh:
-        """The same at another place; ``offset`` (3,) in metres."""
+        """The same at another place; ``offset`` (3,) in metres.
+
+        Args:
+            offset: (3,) metres.
+        """
         return dataclasses.replace(self, mesh=self.mesh.shifted(offset))
 
 
 def joined(parts: list[PaintedMesh]) -> PaintedMesh:
-    """One mesh of several; ids of materials count on from part to part."""
+    """One mesh of several; ids of materials count on from part to part.
+
+    Args:
+        parts: meshes with materials.
+    """
     vertices = np.cumsum([0] + [len(part.mesh.vertices) for part in parts])
     first_id = np.cumsum([0] + [len(part.materials) for part in parts])
     mesh = TriangleMesh(

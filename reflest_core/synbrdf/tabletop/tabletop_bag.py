@@ -122,7 +122,12 @@ def write_tabletop(out: Path, request: TabletopRequest, command: str) -> None:
 
 
 def mitsuba_tabletop(scene: TabletopScene, seed: int) -> Any:
-    """The scene as Mitsuba holds it: all its surfaces are one mesh."""
+    """The scene as Mitsuba holds it: all its surfaces are one mesh.
+
+    Args:
+        scene: the scene.
+        seed: of the random numbers.
+    """
     bsdf, mesh = face_ward_bsdf(scene.painted), scene.painted.mesh
     if scene.room is None:
         return mitsuba_scene(mesh, bsdf, scene.light.radiance)
@@ -132,7 +137,14 @@ def mitsuba_tabletop(scene: TabletopScene, seed: int) -> Any:
 def seen_points(
     scene: TabletopScene, rendered: Any, camera: CameraIntrinsics, seed: int
 ) -> NDArray[np.void]:
-    """Points spread evenly over the surfaces that at least one frame sees, with their truth."""
+    """Points spread evenly over the surfaces that at least one frame sees, with their truth.
+
+    Args:
+        scene: the scene.
+        rendered: the Mitsuba scene.
+        camera: intrinsics.
+        seed: of the random numbers.
+    """
     rng = np.random.default_rng([_STREAM, seed, 1])
     positions, normals, faces = draw_surface_points(scene.painted.mesh, TRUTH_POINTS, rng)
     views = np.zeros(len(positions), np.int64)

@@ -41,7 +41,11 @@ class Texture:
     phases: FloatArray
 
     def share(self, points: FloatArray) -> FloatArray:
-        """Share (N,) of the second colour at ``points`` (N, 3)."""
+        """Share (N,) of the second colour at ``points`` (N, 3).
+
+        Args:
+            points: (N, 3) metres.
+        """
         place = points @ self.axes.T / self.cell
         if self.kind == "checker":
             return np.asarray(np.floor(place + 1e-6).sum(axis=1) % 2)
@@ -60,7 +64,14 @@ class Texture:
 def draw_texture(
     rng: np.random.Generator, materials: Materials, axes: FloatArray, rho_s: float
 ) -> Texture:
-    """Draw a pattern for a material of ``rho_s``; its second colour keeps within energy."""
+    """Draw a pattern for a material of ``rho_s``; its second colour keeps within energy.
+
+    Args:
+        rng: random numbers; the same state draws the same.
+        materials: the source of materials.
+        axes: (2, 3) directions of the texture.
+        rho_s: specular strength.
+    """
     kind = KINDS[int(rng.integers(len(KINDS)))]
     cell = TEXEL * int(rng.integers(round(CELLS[0] / TEXEL), round(CELLS[1] / TEXEL) + 1))
     other = np.array(materials.draw(rng).ward.rho_d)

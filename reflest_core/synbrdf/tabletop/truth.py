@@ -58,7 +58,12 @@ def truth_points(
 
 
 def write_cloud(path: Path, points: NDArray[np.void]) -> None:
-    """Write (P,) of :data:`POINT` as a binary little-endian PLY file."""
+    """Write (P,) of :data:`POINT` as a binary little-endian PLY file.
+
+    Args:
+        path: the file.
+        points: records of the type that :func:`read_cloud` gives.
+    """
     properties = [f"property {PLY_TYPES[POINT[name].str[1:]]} {name}" for name in POINT.names or ()]
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}"]
     text = "\n".join([*header, *properties, "end_header", ""])
@@ -66,7 +71,11 @@ def write_cloud(path: Path, points: NDArray[np.void]) -> None:
 
 
 def read_cloud(path: Path) -> NDArray[np.void]:
-    """Read what :func:`write_cloud` wrote."""
+    """Read what :func:`write_cloud` wrote.
+
+    Args:
+        path: the file.
+    """
     header, _, data = path.read_bytes().partition(b"end_header\n")
     count = int(header.split(b"element vertex ")[1].split()[0])
     return np.frombuffer(data, POINT, count)
