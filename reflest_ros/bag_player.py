@@ -36,7 +36,12 @@ class BagPlayer(Node):
     """Publishes the messages of bag files on their topics."""
 
     def __init__(self, files: list[BagFile], topics: list[str]) -> None:
-        """Advertise ``topics`` of the bag, all where none is named."""
+        """Advertise ``topics`` of the bag, all where none is named.
+
+        Args:
+            files: opened recordings.
+            topics: to play; all if empty.
+        """
         super().__init__("reflest_bag_player")
         self._files = files
         known = {topic.name: topic for file in files for topic in file.topics}
@@ -65,7 +70,11 @@ class BagPlayer(Node):
         return self.create_publisher(message_type, topic.name, qos)
 
     def wait_for_subscribers(self, timeout: float) -> None:
-        """Return once every topic has a subscriber; :class:`CaptureError` after ``timeout`` s."""
+        """Return once every topic has a subscriber; :class:`CaptureError` after ``timeout`` s.
+
+        Args:
+            timeout: seconds.
+        """
         deadline = time.monotonic() + timeout
         executor = SingleThreadedExecutor()
         executor.add_node(self)
@@ -80,7 +89,11 @@ class BagPlayer(Node):
         executor.remove_node(self)
 
     def play(self, rate: float) -> int:
-        """Publish everything at ``rate`` times the recorded speed; return the number."""
+        """Publish everything at ``rate`` times the recorded speed; return the number.
+
+        Args:
+            rate: times the recorded speed.
+        """
         count = 0
         first_ns = None
         started = time.monotonic()
@@ -93,7 +106,11 @@ class BagPlayer(Node):
         return count
 
     def wait_for_acknowledgement(self, timeout: float) -> None:
-        """Return once reliable subscribers have everything; :class:`CaptureError` otherwise."""
+        """Return once reliable subscribers have everything; :class:`CaptureError` otherwise.
+
+        Args:
+            timeout: seconds.
+        """
         deadline = time.monotonic() + timeout
         for topic, output in self._outputs.items():
             # In slices, between which a signal is heard.
@@ -115,7 +132,11 @@ class BagPlayer(Node):
 
 
 def open_bag_files(path: Path) -> list[BagFile]:
-    """The files of a bag in recorded order: one .mcap or .db3 file, or those of a directory."""
+    """The files of a bag in recorded order: one .mcap or .db3 file, or those of a directory.
+
+    Args:
+        path: the file.
+    """
     paths = sorted(path.iterdir()) if path.is_dir() else [path]
     files = [READERS_BY_SUFFIX[one.suffix](one) for one in paths if one.suffix in READERS_BY_SUFFIX]
     if not files:
@@ -124,7 +145,11 @@ def open_bag_files(path: Path) -> list[BagFile]:
 
 
 def parse_arguments(arguments: list[str]) -> argparse.Namespace:
-    """The command line without its ROS arguments."""
+    """The command line without its ROS arguments.
+
+    Args:
+        arguments: the words of the command.
+    """
     parser = argparse.ArgumentParser(prog="reflest-bag-player", description=__doc__)
     parser.add_argument("bag", type=Path, help=".mcap or .db3 file, or rosbag2 directory")
     parser.add_argument("--rate", type=float, default=1.0, help="times the recorded speed")
@@ -137,7 +162,11 @@ def parse_arguments(arguments: list[str]) -> argparse.Namespace:
 
 
 def main(args: list[str] | None = None) -> int:
-    """Play and exit; 2 for a user's mistake."""
+    """Play and exit; 2 for a user's mistake.
+
+    Args:
+        args: the words of the command; None takes those of the process.
+    """
     arguments = sys.argv if args is None else [sys.argv[0], *args]
     options = parse_arguments(remove_ros_args(arguments)[1:])
     try:

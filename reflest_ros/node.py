@@ -126,27 +126,51 @@ class EstimatorNode(LifecycleNode):
                 raise TransitionError(f"{valid[transition_id]} failed, see the log")
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Load the weights, compile and allocate; services appear."""
+        """Load the weights, compile and allocate; services appear.
+
+        Args:
+            state: the state that the transition begins in.
+        """
         return self._transition(self._configure)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Subscribe."""
+        """Subscribe.
+
+        Args:
+            state: the state that the transition begins in.
+        """
         return self._transition(self._activate)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Unsubscribe; the scan is kept, and the services still answer."""
+        """Unsubscribe; the scan is kept, and the services still answer.
+
+        Args:
+            state: the state that the transition begins in.
+        """
         return self._transition(self._deactivate)
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Free the scan and the weights; services go."""
+        """Free the scan and the weights; services go.
+
+        Args:
+            state: the state that the transition begins in.
+        """
         return self._transition(self._close)
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Free whatever is held."""
+        """Free whatever is held.
+
+        Args:
+            state: the state that the transition begins in.
+        """
         return self._transition(self._close)
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Free whatever is held after an internal error; the node is unconfigured then."""
+        """Free whatever is held after an internal error; the node is unconfigured then.
+
+        Args:
+            state: the state that the transition begins in.
+        """
         return self._transition(self._close)
 
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> Any:

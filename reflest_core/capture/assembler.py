@@ -44,6 +44,15 @@ class FrameAssembler:
         on_clock_jump: Callable[[str], None] = lambda _: None,
         on_warning: Callable[[str], None] = lambda _: None,
     ) -> None:
+        """Begin without messages.
+
+        Args:
+            settings: parameters of the group ``capture``.
+            topics: names of the streams for sentences.
+            on_refusal: called with each refusal, and whether it is the first of its cause.
+            on_clock_jump: called where stamps start again.
+            on_warning: called with sentences about the recording.
+        """
         self.refusals = RefusalLog()
         self._settings = settings
         self._topics = {**RELATIVE_NAMES, **topics}

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Reasons not to trust an estimate, the gravest first."""
+"""Reasons not to trust an estimate, the most severe first."""
 
 from __future__ import annotations
 
@@ -36,6 +36,10 @@ def doubts(evidence: Evidence, settings: EstimationSettings) -> Iterator[Doubt]:
     """Status and sentence of everything that is in doubt, in the order of precedence.
 
     First what was not scanned, then what is not known of the light, then what this material hides.
+
+    Args:
+        evidence: what the estimate rests on.
+        settings: thresholds.
     """
     if evidence.voxels < evidence.wanted_voxels:
         yield (

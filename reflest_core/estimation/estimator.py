@@ -43,7 +43,11 @@ class Estimator:
     """Estimates the BRDF of observed surfaces; the same surface gives the same bits."""
 
     def __init__(self, settings: EstimationSettings) -> None:
-        """Load the network; :class:`WeightsError`, :class:`DeviceError` where that cannot be."""
+        """Load the network; :class:`WeightsError`, :class:`DeviceError` where that cannot be.
+
+        Args:
+            settings: the parameters.
+        """
         self.settings = settings
         weights = Path(settings.weights) if settings.weights else None
         self.predictor = Predictor(settings.model, weights, settings.device, settings.threads)

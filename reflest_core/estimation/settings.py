@@ -112,6 +112,9 @@ class ReflestSettings:
         """Build from ``{group: {name: value}}``; what is absent keeps its default.
 
         Raises :class:`ParameterError` for an unknown name, a wrong type or a value out of range.
+
+        Args:
+            values: by group, then by name.
         """
         defaults = ReflestSettings()
         groups = {
@@ -157,7 +160,13 @@ class ReflestSettings:
 
 
 def with_values(group: Any, given: dict[str, Any], group_name: str) -> Any:
-    """A copy of the settings ``group`` with ``given`` values, checked for type and range."""
+    """A copy of the settings ``group`` with ``given`` values, checked for type and range.
+
+    Args:
+        group: the defaults.
+        given: values by name.
+        group_name: for sentences.
+    """
     if not isinstance(given, dict):
         raise ParameterError(f"{group_name} must hold names and values, not {given!r}")
     changes: dict[str, Any] = {}

@@ -100,6 +100,9 @@ def as_figures(estimates: Estimates, splits: dict[str, list[Sample]]) -> dict[st
 def read_estimates(path: Path) -> Estimates:
     """Read a record of :func:`as_figures`.
 
+    Args:
+        path: the file.
+
     Raises:
         EvaluationError: there is no such file, or it is damaged.
     """

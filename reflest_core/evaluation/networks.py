@@ -120,6 +120,9 @@ def network_named(networks: list[EvaluatedNetwork], name: str) -> EvaluatedNetwo
 def require_lightnet(networks: list[EvaluatedNetwork]) -> EvaluatedNetwork:
     """Return lightnet among ``networks``.
 
+    Args:
+        networks: those to compare.
+
     Raises:
         EvaluationError: it has no weights.
     """

@@ -66,6 +66,9 @@ def write_record(path: Path, provenance: Provenance, figures: dict[str, Any]) ->
 def read_record(path: Path) -> dict[str, Any] | None:
     """Read a record.
 
+    Args:
+        path: the file.
+
     Returns:
         The record, or None where there is no such file.
 

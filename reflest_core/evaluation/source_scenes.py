@@ -30,6 +30,13 @@ class SourceScenes:
     """
 
     def __init__(self, data: Path, environments: Path | None, meshes: Path | None) -> None:
+        """Find the sources.
+
+        Args:
+            data: folder of the data set.
+            environments: the folder that it was generated from; None for procedural skies.
+            meshes: the folder that it was generated from; None for procedural shapes.
+        """
         manifest = read_manifest(data)
         self.generation = generation_of(manifest, environments, meshes)
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What a user can turn in fusion."""
+"""Parameters of fusion, the region of interest and keyframes."""
 
 from __future__ import annotations
 

@@ -16,7 +16,11 @@ from reflest_ros.demo.shipped_capture import find_capture
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the demo; 0 if a picture was written, 2 with one sentence otherwise."""
+    """Run the demo; 0 if a picture was written, 2 with one sentence otherwise.
+
+    Args:
+        arguments: the words of the command; None takes those of the process.
+    """
     parser = argparse.ArgumentParser(prog="reflest demo", description=__doc__)
     parser.add_argument("--capture", type=Path, help="bag folder with truth.json")
     parser.add_argument("--output", type=Path, default=Path("demo-output"))

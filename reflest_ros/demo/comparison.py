@@ -43,7 +43,12 @@ NAMES = (
 
 
 def compare(estimate: BrdfEstimate, truth: dict[str, Any]) -> list[ComparedParameter]:
-    """Every Ward and Lab/c,d value of the estimate beside its truth."""
+    """Every Ward and Lab/c,d value of the estimate beside its truth.
+
+    Args:
+        estimate: the keyframe's estimate.
+        truth: the material's true values.
+    """
     return [
         ComparedParameter(name, meaning, true_value, estimated, stddev)
         for field, names, meaning in NAMES
@@ -58,7 +63,11 @@ def compare(estimate: BrdfEstimate, truth: dict[str, Any]) -> list[ComparedParam
 
 
 def table(compared: list[ComparedParameter]) -> str:
-    """The comparison as lines of text; ± stands before one standard deviation."""
+    """The comparison as lines of text; ± stands before one standard deviation.
+
+    Args:
+        compared: parameters with truth and estimate.
+    """
     lines = [f"  {'parameter':<12}{'truth':>9}{'estimate':>10}{'±':>9}{'error':>9}   meaning"]
     lines += [
         f"  {one.name:<12}{one.truth:>9.3f}{one.estimate:>10.3f}{one.deviation:>9}"

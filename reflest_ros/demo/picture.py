@@ -41,7 +41,16 @@ def draw(
     compared: list[ComparedParameter],
     capture: str,
 ) -> None:
-    """Write the PNG. ``frame`` is (H, W, 3) 8-bit sRGB of the scan."""
+    """Write the PNG. ``frame`` is (H, W, 3) 8-bit sRGB of the scan.
+
+    Args:
+        path: the file.
+        frame: (H, W, 3) a colour image.
+        truth: the material's true values.
+        estimate: the keyframe's estimate.
+        compared: parameters with truth and estimate.
+        capture: its name.
+    """
     figure = Figure(figsize=(WIDTH, HEIGHT), dpi=DPI, facecolor=PAPER)
     _write(figure, MARGIN, 0.55, "reflest", fontsize=26, weight="bold", color=INK)
     subtitle = "the reflectance of a surface, estimated while it is scanned"

@@ -49,7 +49,11 @@ CAPTIONS = {
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Scan the capture offline and draw; 2 with one sentence for a user's mistake."""
+    """Scan the capture offline and draw; 2 with one sentence for a user's mistake.
+
+    Args:
+        arguments: the words of the command; None takes those of the process.
+    """
     parser = argparse.ArgumentParser(prog="reflest pictures", description=__doc__)
     parser.add_argument("--capture", type=Path, help="bag folder with truth.json")
     parser.add_argument("--output", type=Path, default=Path("docs/images"))
@@ -81,7 +85,11 @@ def _draw_all(bag: Path, folder: Path) -> None:
 
 
 def preview_picture(estimate: BrdfEstimate) -> Figure:
-    """The image of ``reflectance/preview``, pixel for pixel."""
+    """The image of ``reflectance/preview``, pixel for pixel.
+
+    Args:
+        estimate: the keyframe's estimate.
+    """
     message = preview_message(estimate, 256)
     picture = np.frombuffer(message.data, np.uint8).reshape(message.height, message.width, 3)
     figure = Figure(figsize=(message.width / DPI, message.height / DPI), dpi=DPI)
@@ -94,7 +102,13 @@ def preview_picture(estimate: BrdfEstimate) -> Figure:
 def voxel_picture(
     snapshot: KeyframeSnapshot, estimate: BrdfEstimate, settings: ReflestSettings
 ) -> Figure:
-    """The cloud of ``reflectance/voxels`` in its three colourings."""
+    """The cloud of ``reflectance/voxels`` in its three colourings.
+
+    Args:
+        snapshot: the scan at a keyframe.
+        estimate: the keyframe's estimate.
+        settings: the parameters.
+    """
     figure = Figure(figsize=(12, 4.2), dpi=DPI)
     viewpoint = _beside_camera(snapshot, 0.28)
     for place, (colouring, caption) in enumerate(CAPTIONS.items()):
@@ -112,7 +126,11 @@ def voxel_picture(
 
 
 def environment_picture(snapshot: KeyframeSnapshot) -> Figure:
-    """Of ``reflectance/environment``: preview, coverage and the radiance itself, as the camera."""
+    """Of ``reflectance/environment``: preview, coverage and the radiance itself, as the camera.
+
+    Args:
+        snapshot: the scan at a keyframe.
+    """
     environment = environment_map(snapshot.surface)
     panels = {
         "preview: dim where it was not seen": tone_mapped(environment),
@@ -136,7 +154,14 @@ def marker_picture(
     poses: list[NDArray[np.float64]],
     settings: ReflestSettings,
 ) -> Figure:
-    """The markers of ``reflectance/markers`` around the cloud."""
+    """The markers of ``reflectance/markers`` around the cloud.
+
+    Args:
+        snapshot: the scan at a keyframe.
+        estimate: the keyframe's estimate.
+        poses: camera poses, (4, 4) each.
+        settings: the parameters.
+    """
     figure = Figure(figsize=(10, 5), dpi=DPI)
     axes = figure.add_axes((0, 0, 1, 1))
     viewpoint = Viewpoint(np.array([0.9, -2.2, 1.2]), np.array([0.0, 0.0, 0.25]), 1.4)

@@ -50,6 +50,11 @@ class EstimateListener(Node):
     """Prints every estimate as it is published."""
 
     def __init__(self, context: Context) -> None:
+        """Subscribe.
+
+        Args:
+            context: of rclpy.
+        """
         super().__init__("reflest_demo", context=context)
         self.create_subscription(
             BrdfEstimateMessage, "/reflectance/brdf", self._on_estimate, OUTPUT_QOS
@@ -71,6 +76,9 @@ def estimate_over_dds(bag: Path) -> BrdfEstimate:
     """Play ``bag`` to an estimator process; its estimate from the whole scan.
 
     Raises :class:`DemoError` where a process fails or takes too long.
+
+    Args:
+        bag: the recording.
     """
     use_private_domain()
     context = Context()
@@ -106,7 +114,11 @@ def use_private_domain() -> None:
 
 @contextlib.contextmanager
 def running(arguments: list[str]) -> Iterator[subprocess.Popen[bytes]]:
-    """A Python process for the block; SIGINT ends it, and what ignores that is killed."""
+    """A Python process for the block; SIGINT ends it, and what ignores that is killed.
+
+    Args:
+        arguments: the words of the command.
+    """
     process = subprocess.Popen([sys.executable, *arguments])
     try:
         yield process

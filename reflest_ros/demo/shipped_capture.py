@@ -49,7 +49,11 @@ class ShippedCapture:
 
 
 def cut_to_object(frame: Frame) -> NDArray[np.uint8]:
-    """The part of the image, of the whole one's proportions, around the pixels with depth."""
+    """The part of the image, of the whole one's proportions, around the pixels with depth.
+
+    Args:
+        frame: with its region in view.
+    """
     height, width = frame.depth.shape
     rows, columns = np.nonzero(frame.depth > 0)
     share = CLOSE_UP * max(np.ptp(rows) / height, np.ptp(columns) / width)
@@ -62,7 +66,11 @@ def cut_to_object(frame: Frame) -> NDArray[np.uint8]:
 
 
 def find_capture(bag: Path | None) -> ShippedCapture:
-    """The capture ``bag``, else the first one that is shipped; :class:`CaptureError` if none."""
+    """The capture ``bag``, else the first one that is shipped; :class:`CaptureError` if none.
+
+    Args:
+        bag: the recording; None takes the shipped one.
+    """
     found = [bag] if bag else sorted(path.parent for path in CAPTURES.glob(f"[!.]*/{TRUTH}"))
     if not found:
         raise CaptureError(f"{CAPTURES} holds no capture with a {TRUTH}: name one with --capture")
@@ -74,7 +82,11 @@ def find_capture(bag: Path | None) -> ShippedCapture:
 
 
 def ward_parameters(values: dict[str, Any]) -> WardParameters:
-    """Ward parameters out of the fields of an estimate or a truth file."""
+    """Ward parameters out of the fields of an estimate or a truth file.
+
+    Args:
+        values: as ``truth.json`` has them.
+    """
     red, green, blue = values["rho_d"]
     return WardParameters(
         (red, green, blue), values["rho_s"], values["alpha"], WardVariant(values["ward_variant"])

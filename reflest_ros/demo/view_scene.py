@@ -29,7 +29,11 @@ class Viewpoint:
     width: float
 
     def project(self, points: Points) -> tuple[Points, NDArray[np.float64]]:
-        """Place (N, 2) in metres on the plane through the target, and distance (N,) of points."""
+        """Place (N, 2) in metres on the plane through the target, and distance (N,) of points.
+
+        Args:
+            points: (N, 3) metres.
+        """
         ahead = self.target - self.eye
         reach = float(np.linalg.norm(ahead))
         ahead = ahead / reach
@@ -40,7 +44,13 @@ class Viewpoint:
 
 
 def prepare(axes: Axes, viewpoint: Viewpoint, aspect: float) -> None:
-    """Make an empty picture; ``aspect``: height over width."""
+    """Make an empty picture; ``aspect``: height over width.
+
+    Args:
+        axes: of Matplotlib.
+        viewpoint: where the drawing looks from.
+        aspect: width over height.
+    """
     half = viewpoint.width / 2
     axes.set(xlim=(-half, half), ylim=(-half * aspect, half * aspect), aspect="equal")
     axes.set_xticks([])
@@ -50,7 +60,14 @@ def prepare(axes: Axes, viewpoint: Viewpoint, aspect: float) -> None:
 
 
 def draw_cloud(axes: Axes, cloud: PointCloud2, viewpoint: Viewpoint, size: float) -> None:
-    """Draw the points as discs of ``size`` metres, the nearest on top."""
+    """Draw the points as discs of ``size`` metres, the nearest on top.
+
+    Args:
+        axes: of Matplotlib.
+        cloud: as it is published.
+        viewpoint: where the drawing looks from.
+        size: of a dot.
+    """
     records = np.frombuffer(cloud.data, POINT)
     positions = np.stack([records[name] for name in "xyz"], axis=-1).astype(np.float64)
     places, distances = viewpoint.project(positions)
@@ -64,7 +81,13 @@ def draw_cloud(axes: Axes, cloud: PointCloud2, viewpoint: Viewpoint, size: float
 
 
 def draw_markers(axes: Axes, markers: MarkerArray, viewpoint: Viewpoint) -> None:
-    """Draw line lists and texts."""
+    """Draw line lists and texts.
+
+    Args:
+        axes: of Matplotlib.
+        markers: as they are published.
+        viewpoint: where the drawing looks from.
+    """
     for marker in markers.markers:
         if marker.action != Marker.ADD:
             continue

@@ -53,6 +53,11 @@ def input_topics(node: Node, settings: NodeSettings, capture: CaptureSettings) -
 
     Raises :class:`ReflestError` for a name that is none, and where poses shall come from tf and
     tf2_msgs is not installed.
+
+    Args:
+        node: whose topics they are.
+        settings: the parameters.
+        capture: parameters of the group ``capture``.
     """
     transports = {
         Role.RGB: settings.input.rgb_transport,

@@ -36,10 +36,19 @@ class MessageSink(Protocol):
     """Takes messages, from any thread."""
 
     def offer(self, role: Role, message: SensorMessage) -> None:
-        """Queue a message."""
+        """Queue a message.
+
+        Args:
+            role: the stream.
+            message: converted from ROS.
+        """
 
     def refuse(self, refusal: FrameRefused) -> None:
-        """Count what could not even become a message."""
+        """Count what could not even become a message.
+
+        Args:
+            refusal: with its cause.
+        """
 
 
 @dataclass

@@ -137,7 +137,12 @@ REFUSALS = {
 
 
 def diagnostic_pattern(key: str, roles: list[str]) -> str:
-    """The key of :data:`DIAGNOSTICS` that a live key stands for."""
+    """The key of :data:`DIAGNOSTICS` that a live key stands for.
+
+    Args:
+        key: of a diagnostic.
+        roles: names of the streams.
+    """
     if key.startswith("refused "):
         return "refused CAUSE"
     for role in sorted(roles, key=len, reverse=True):

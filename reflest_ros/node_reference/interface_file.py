@@ -37,6 +37,9 @@ def read_interface(path: Path) -> list[Section]:
     """One section of a ``.msg`` file, request and response of a ``.srv`` file.
 
     ValueError for a line that is neither a comment, a constant nor a field.
+
+    Args:
+        path: the file.
     """
     parts = re.split(r"^---$", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
     return [_section(part) for part in parts]

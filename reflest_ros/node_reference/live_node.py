@@ -102,6 +102,10 @@ def _diagnostic_keys(node: Node) -> tuple[str, ...]:
 
 
 def type_name(interface: type) -> str:
-    """``package/msg/Name`` or ``package/srv/Name`` of a generated class."""
+    """``package/msg/Name`` or ``package/srv/Name`` of a generated class.
+
+    Args:
+        interface: a message or service type.
+    """
     package, kind, *_ = interface.__module__.split(".")
     return f"{package}/{kind}/{interface.__name__}"

@@ -56,7 +56,11 @@ class UndescribedError(ReflestError):
 
 
 def page(facts: NodeFacts) -> str:
-    """The whole page; raises :class:`UndescribedError`."""
+    """The whole page; raises :class:`UndescribedError`.
+
+    Args:
+        facts: read from a running node.
+    """
     sections = (
         HEADER,
         _lifecycle(),

@@ -28,6 +28,11 @@ class Environment:
     """Publishes three images; see :class:`reflest_ros.outputs.estimate_output.EstimateView`."""
 
     def __init__(self, node: Node) -> None:
+        """Create the publishers.
+
+        Args:
+            node: publishes.
+        """
         self._node = node
         self._radiance = ViewPublisher(node, Image, TOPIC)
         self._coverage = ViewPublisher(node, Image, f"{TOPIC}/coverage")
@@ -35,7 +40,12 @@ class Environment:
         self._frame_id = ""
 
     def show(self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None) -> None:
-        """Show the light at a keyframe."""
+        """Show the light at a keyframe.
+
+        Args:
+            keyframe: the scan that it belongs to.
+            estimate: the keyframe's estimate; None where there is none.
+        """
         frame_id = self._frame_id = keyframe.world_frame_id
         stamp_ns = keyframe.stamp_ns
         height = read_settings(self._node, "environment", EnvironmentSettings).height
@@ -63,17 +73,35 @@ class Environment:
 
 
 def radiance_message(environment: EnvironmentMap, frame_id: str, stamp_ns: int) -> Image:
-    """``32FC3``: red, green, blue of :attr:`EnvironmentMap.radiance`."""
+    """``32FC3``: red, green, blue of :attr:`EnvironmentMap.radiance`.
+
+    Args:
+        environment: the light to publish.
+        frame_id: of the header.
+        stamp_ns: of the header, nanoseconds.
+    """
     return _image(environment.radiance, "32FC3", frame_id, stamp_ns)
 
 
 def coverage_message(environment: EnvironmentMap, frame_id: str, stamp_ns: int) -> Image:
-    """``mono8``: :func:`.coverage_codes`."""
+    """``mono8``: :func:`.coverage_codes`.
+
+    Args:
+        environment: the light to publish.
+        frame_id: of the header.
+        stamp_ns: of the header, nanoseconds.
+    """
     return _image(coverage_codes(environment), "mono8", frame_id, stamp_ns)
 
 
 def preview_message(environment: EnvironmentMap, frame_id: str, stamp_ns: int) -> Image:
-    """``rgb8``: :func:`.tone_mapped`."""
+    """``rgb8``: :func:`.tone_mapped`.
+
+    Args:
+        environment: the light to publish.
+        frame_id: of the header.
+        stamp_ns: of the header, nanoseconds.
+    """
     return _image(tone_mapped(environment), "rgb8", frame_id, stamp_ns)
 
 

@@ -21,7 +21,11 @@ HEADER_FIELDS = ("stamp_ns", "frame_id")
 
 
 def estimate_to_message(estimate: BrdfEstimate) -> BrdfEstimateMessage:
-    """Every field under its own name; stamp and frame_id in the header."""
+    """Every field under its own name; stamp and frame_id in the header.
+
+    Args:
+        estimate: the keyframe's estimate.
+    """
     message = BrdfEstimateMessage()
     message.header.stamp = ns_to_stamp(estimate.stamp_ns)
     message.header.frame_id = estimate.frame_id
@@ -49,7 +53,11 @@ def unknown_message() -> BrdfEstimateMessage:
 
 
 def estimate_from_message(message: BrdfEstimateMessage) -> BrdfEstimate:
-    """What :func:`estimate_to_message` was given."""
+    """What :func:`estimate_to_message` was given.
+
+    Args:
+        message: as it was received.
+    """
     values: dict[str, Any] = {
         "stamp_ns": stamp_to_ns(message.header.stamp),
         "frame_id": message.header.frame_id,

@@ -38,6 +38,10 @@ class EstimateView(Protocol):
         """Publish the state at a keyframe, in the estimation thread.
 
         ``estimate`` is None where the keyframe shows too little for one.
+
+        Args:
+            keyframe: the scan that it belongs to.
+            estimate: the keyframe's estimate.
         """
 
     def clear(self) -> None:

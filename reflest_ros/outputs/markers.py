@@ -40,12 +40,22 @@ class Markers:
     """Publishes the markers; see :class:`reflest_ros.outputs.estimate_output.EstimateView`."""
 
     def __init__(self, node: Node) -> None:
+        """Create the publishers.
+
+        Args:
+            node: publishes.
+        """
         self._node = node
         self._publisher = ViewPublisher(node, MarkerArray, "reflectance/markers")
         self._poses: deque[Pose] = deque(maxlen=MOST_KEYFRAMES)
 
     def show(self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None) -> None:
-        """Remember the pose; show text and cameras."""
+        """Remember the pose; show text and cameras.
+
+        Args:
+            keyframe: the scan that it belongs to.
+            estimate: the keyframe's estimate; None where there is none.
+        """
         if keyframe.T_world_camera is not None:
             self._poses.append(keyframe.T_world_camera)
         # A copy, for the message may be made in another thread while keyframes come.
@@ -82,6 +92,14 @@ def marker_message(
 
     The region of interest is a glass body (``region``). ``poses``: ``T_world_camera`` (4, 4),
     oldest first. ``up``: (3,), in the world frame.
+
+    Args:
+        keyframe: the scan that it belongs to.
+        estimate: the keyframe's estimate.
+        poses: camera poses, (4, 4) each.
+        settings: the parameters.
+        region: of interest.
+        up: (3,) unit.
     """
     shown = poses[max(len(poses) - settings.max_keyframes, 0) :]
     markers = [
@@ -152,7 +170,12 @@ def _region(region: RegionSettings) -> Marker:
 
 
 def camera_pyramid(T_world_camera: Pose, length: float) -> NDArray[np.float64]:
-    """Tip and base (5, 3), world frame; the base lies ``length`` metres along the optical axis."""
+    """Tip and base (5, 3), world frame; the base lies ``length`` metres along the optical axis.
+
+    Args:
+        T_world_camera: (4, 4) pose of the camera.
+        length: metres.
+    """
     across, down = HALF_WIDTH * length, HALF_HEIGHT * length
     in_camera = np.array(
         [

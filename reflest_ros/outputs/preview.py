@@ -27,11 +27,21 @@ class Preview:
     """Publishes the sphere; see :class:`reflest_ros.outputs.estimate_output.EstimateView`."""
 
     def __init__(self, node: Node) -> None:
+        """Create the publishers.
+
+        Args:
+            node: publishes.
+        """
         self._node = node
         self._publisher = ViewPublisher(node, Image, "reflectance/preview")
 
     def show(self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None) -> None:
-        """Show the sphere of an estimate."""
+        """Show the sphere of an estimate.
+
+        Args:
+            keyframe: the scan that it belongs to.
+            estimate: the keyframe's estimate.
+        """
         if estimate is not None:
             self._publisher.show(lambda: preview_message(estimate, self._settings.size))
 
@@ -48,7 +58,12 @@ class Preview:
 
 
 def preview_message(estimate: BrdfEstimate, size: int) -> Image:
-    """An ``rgb8`` image (size, size), sRGB, with the estimate's stamp and camera frame."""
+    """An ``rgb8`` image (size, size), sRGB, with the estimate's stamp and camera frame.
+
+    Args:
+        estimate: the keyframe's estimate.
+        size: pixels along an edge.
+    """
     picture = tone_map(render_point_light(estimate.ward, LIGHT, size), EXPOSURE)
     message = Image(height=size, width=size, encoding="rgb8", is_bigendian=0, step=3 * size)
     message.header.stamp = ns_to_stamp(estimate.stamp_ns)

@@ -49,12 +49,22 @@ class VoxelCloud:
     """Publishes the cloud; see :class:`reflest_ros.outputs.estimate_output.EstimateView`."""
 
     def __init__(self, node: Node) -> None:
+        """Create the publishers.
+
+        Args:
+            node: publishes.
+        """
         self._node = node
         self._publisher = ViewPublisher(node, PointCloud2, "reflectance/voxels")
         self._frame_id = ""
 
     def show(self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None) -> None:
-        """Show the surface at a keyframe."""
+        """Show the surface at a keyframe.
+
+        Args:
+            keyframe: the scan that it belongs to.
+            estimate: the keyframe's estimate.
+        """
         self._frame_id = keyframe.world_frame_id
         self._publisher.show(lambda: self._message(keyframe, estimate))
 
@@ -81,6 +91,12 @@ def cloud_message(
     """At most ``settings.max_points`` voxels, evenly from the whole, in the world frame, metres.
 
     ``views`` is the number of observations of a voxel, at most ``most_views``.
+
+    Args:
+        keyframe: the scan that it belongs to.
+        estimate: the keyframe's estimate.
+        settings: the parameters.
+        most_views: views that give the brightest colour of the map.
     """
     surface = keyframe.surface
     counts = surface.observation_counts
@@ -96,7 +112,13 @@ def cloud_message(
 
 
 def point_cloud(points: NDArray[np.void], frame_id: str, stamp_ns: int) -> PointCloud2:
-    """The message of (N,) :data:`POINT` records."""
+    """The message of (N,) :data:`POINT` records.
+
+    Args:
+        points: records of the fields to publish.
+        frame_id: of the header.
+        stamp_ns: of the header, nanoseconds.
+    """
     message = PointCloud2(
         height=1,
         width=len(points),

@@ -45,7 +45,12 @@ class EstimateServices:
         pool.create(ExportEstimate, "~/export", self.export)
 
     def estimate(self, _: Estimate.Request, response: Estimate.Response) -> Estimate.Response:
-        """Estimate from everything that was scanned; the answer is published as well."""
+        """Estimate from everything that was scanned; the answer is published as well.
+
+        Args:
+            _: empty.
+            response: to fill in.
+        """
         response.estimate = unknown_message()
 
         def work() -> str:
@@ -58,7 +63,12 @@ class EstimateServices:
     def export(
         self, request: ExportEstimate.Request, response: ExportEstimate.Response
     ) -> ExportEstimate.Response:
-        """Estimate and write the material, or write the light, as a file of another program."""
+        """Estimate and write the material, or write the light, as a file of another program.
+
+        Args:
+            request: as it was received.
+            response: to fill in.
+        """
 
         def work() -> str:
             if request.format not in (*FORMATS, *LIGHT_FORMATS):

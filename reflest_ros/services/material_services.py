@@ -37,7 +37,12 @@ class MaterialServices:
     def material_at(
         self, request: MaterialAt.Request, response: MaterialAt.Response
     ) -> MaterialAt.Response:
-        """Find the material at a point of the world or under a pixel of the latest image."""
+        """Find the material at a point of the world or under a pixel of the latest image.
+
+        Args:
+            request: as it was received.
+            response: to fill in.
+        """
         response.material = unknown_material()
         response.rho_d = response.rho_d_stddev = [math.nan] * 3
 

@@ -22,7 +22,11 @@ class ManagedNode(Protocol):
         """Whether it is active; None where it is not configured."""
 
     def change(self, transition_id: int) -> None:
-        """Make a transition; raises :class:`ReflestError` with the reason why not."""
+        """Make a transition; raises :class:`ReflestError` with the reason why not.
+
+        Args:
+            transition_id: of ``lifecycle_msgs/Transition``.
+        """
 
 
 class PauseServices:
@@ -40,13 +44,23 @@ class PauseServices:
         pool.create(Trigger, "~/resume", self.resume)
 
     def pause(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        """Stop listening; the scan is kept."""
+        """Stop listening; the scan is kept.
+
+        Args:
+            _: empty.
+            response: to fill in.
+        """
         return answer_with(
             response, lambda: self._bring(False, Transition.TRANSITION_DEACTIVATE, "paused")
         )
 
     def resume(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        """Listen again; the scan continues."""
+        """Listen again; the scan continues.
+
+        Args:
+            _: empty.
+            response: to fill in.
+        """
         return answer_with(
             response, lambda: self._bring(True, Transition.TRANSITION_ACTIVATE, "scanning")
         )

@@ -38,7 +38,11 @@ class Session(Protocol):
         """Begin a new scan; to be run through ``fusion.call_now``."""
 
     def load(self, path: Path) -> None:
-        """Continue a saved scan."""
+        """Continue a saved scan.
+
+        Args:
+            path: the file.
+        """
 
 
 class ScanServices:
@@ -64,7 +68,12 @@ class ScanServices:
         pools.work.create(SaveScan, "~/save", self.save)
 
     def reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        """Begin a new scan; the old one is dropped."""
+        """Begin a new scan; the old one is dropped.
+
+        Args:
+            _: empty.
+            response: to fill in.
+        """
 
         def work() -> str:
             self._session.fusion.call_now(self._session.reset).result()
@@ -73,7 +82,12 @@ class ScanServices:
         return answer_with(response, work)
 
     def save(self, request: SaveScan.Request, response: SaveScan.Response) -> SaveScan.Response:
-        """Write the scan to a file."""
+        """Write the scan to a file.
+
+        Args:
+            request: as it was received.
+            response: to fill in.
+        """
 
         def work() -> str:
             path = self._files.to_write(request.path)
@@ -84,7 +98,12 @@ class ScanServices:
         return answer_with(response, work)
 
     def load(self, request: LoadScan.Request, response: LoadScan.Response) -> LoadScan.Response:
-        """Continue a saved scan in its region of interest."""
+        """Continue a saved scan in its region of interest.
+
+        Args:
+            request: as it was received.
+            response: to fill in.
+        """
 
         def work() -> str:
             path = self._files.to_read(request.path)
@@ -101,7 +120,12 @@ class ScanServices:
     def set_region(
         self, request: SetRegion.Request, response: SetRegion.Response
     ) -> SetRegion.Response:
-        """Scan another region of interest; this begins a new scan unless it is the current one."""
+        """Scan another region of interest; this begins a new scan unless it is the current one.
+
+        Args:
+            request: as it was received.
+            response: to fill in.
+        """
 
         def work() -> str:
             region = _region_of(request)

@@ -25,10 +25,20 @@ class Output(Protocol):
     """Where estimates go; no two of its methods run at once."""
 
     def publish(self, keyframe: Keyframe, estimate: BrdfEstimate) -> BrdfEstimate:
-        """Send an estimate and return it as it was sent."""
+        """Send an estimate and return it as it was sent.
+
+        Args:
+            keyframe: the scan that it belongs to.
+            estimate: the keyframe's estimate.
+        """
 
     def fail(self, keyframe: Keyframe, error: Exception) -> None:
-        """Take note of a keyframe without an estimate."""
+        """Take note of a keyframe without an estimate.
+
+        Args:
+            keyframe: the scan that it belongs to.
+            error: what went wrong.
+        """
 
     def clear(self) -> None:
         """Replace everything that was sent by what stands for nothing."""
@@ -161,7 +171,9 @@ class EstimationWorker:
     def _work(self, keyframe: Keyframe, generation: int) -> None:
         try:
             self._published(keyframe, generation)
-        except Exception as error:  # of a user or of ours: the node goes on with the next keyframe
+        except (
+            Exception
+        ) as error:  # of a user or of the code: the node goes on with the next keyframe
             with self._output_lock:
                 if generation == self._generation:
                     self._output.fail(keyframe, error)

@@ -35,7 +35,7 @@ class FolderKind:
     """One format.
 
     Attributes:
-        name: What sentences call it, with the files that it is told by.
+        name: What sentences call it, with the files that identify it.
         is_it: Whether these names, of a folder's entries, are of this format.
         open: Opens a folder, with fx, fy, cx, cy in pixels where the user gave them.
     """

@@ -20,6 +20,11 @@ class Rectifier:
     """Look-up maps of one distorted camera."""
 
     def __init__(self, camera: CalibratedCamera) -> None:
+        """Compute the maps.
+
+        Args:
+            camera: with its distortion.
+        """
         size = (camera.intrinsics.width, camera.intrinsics.height)
         matrix = camera.intrinsics.matrix
         coefficients = np.array(camera.distortion)

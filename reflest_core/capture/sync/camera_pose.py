@@ -20,6 +20,13 @@ class CameraPoses:
     def __init__(
         self, settings: CaptureSettings, topics: dict[Role, str], transforms: TransformBuffer
     ) -> None:
+        """Begin without a world frame.
+
+        Args:
+            settings: parameters of the group ``capture``.
+            topics: names of the streams for sentences.
+            transforms: all that came by tf.
+        """
         self._settings = settings
         self._topics = topics
         self._transforms = transforms

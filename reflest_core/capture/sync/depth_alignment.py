@@ -37,6 +37,14 @@ class DepthAlignment:
         transforms: TransformBuffer,
         on_warning: Callable[[str], None] = lambda _: None,
     ) -> None:
+        """Begin without calibrations.
+
+        Args:
+            settings: parameters of the group ``capture``.
+            topics: names of the streams for sentences.
+            transforms: all that came by tf.
+            on_warning: called with sentences about the calibrations.
+        """
         self._settings = settings
         self._topics = topics
         self._transforms = transforms

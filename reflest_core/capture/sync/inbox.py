@@ -33,6 +33,16 @@ class Inbox:
         jump: float,
         on_clock_jump: Callable[[str], None],
     ) -> None:
+        """Begin with empty queues.
+
+        Args:
+            roles: streams that wait for one another.
+            topics: names of the streams for sentences.
+            refuse: called with what cannot be used.
+            transforms: takes what comes by tf.
+            jump: seconds back that count as a clock that was reset.
+            on_clock_jump: called where stamps start again.
+        """
         self.queues: dict[Role, StampedQueue[SensorMessage]] = {
             role: StampedQueue() for role in roles
         }

@@ -19,6 +19,11 @@ class MatchRefusals:
     """Makes the refusals of a matcher whose topics have these names."""
 
     def __init__(self, topics: dict[Role, str]) -> None:
+        """Remember the names.
+
+        Args:
+            topics: names of the streams for sentences.
+        """
         self._topics = topics
 
     def missing(self, role: Role, rgb: AnyImage, why: str) -> FrameRefused:
@@ -60,7 +65,7 @@ class MatchRefusals:
             RefusalCause.TIME_BACKWARDS,
             f"{self._topics[role]} at {_seconds(stamp_ns)} does not come after "
             f"{_seconds(latest_ns)}: see that one publisher alone writes the topic and stamps "
-            "each message anew",
+            "each message again",
         )
 
     def before_jump(self, role: Role, stamp_ns: int) -> FrameRefused:

@@ -43,6 +43,16 @@ class Matcher:
         alignment: DepthAlignment,
         on_clock_jump: Callable[[str], None],
     ) -> None:
+        """Begin with an empty inbox.
+
+        Args:
+            settings: parameters of the group ``capture``.
+            topics: names of the streams for sentences.
+            refuse: called with what cannot be used.
+            transforms: takes what comes by tf.
+            alignment: registers depth.
+            on_clock_jump: called where stamps start again.
+        """
         self._settings = settings
         self._refuse = refuse
         self._alignment = alignment

@@ -36,6 +36,13 @@ class TopicPoses:
     """``PoseStamped`` or ``Odometry`` messages that wait in ``queue``."""
 
     def __init__(self, queue: StampedQueue[PoseMessage], topic: str, longest_gap: float) -> None:
+        """Read poses of a queue.
+
+        Args:
+            queue: takes the messages.
+            topic: for sentences.
+            longest_gap: seconds between two poses that are interpolated at most.
+        """
         self._queue = queue
         self._topic = topic
         self._longest_gap = longest_gap
@@ -79,6 +86,13 @@ class TransformPoses:
     """The camera's frame in ``world_frame``, from tf."""
 
     def __init__(self, transforms: TransformBuffer, world_frame: str, rgb_topic: str) -> None:
+        """Read poses of a buffer.
+
+        Args:
+            transforms: takes what comes by tf.
+            world_frame: the frame that poses are in.
+            rgb_topic: for sentences.
+        """
         self._transforms = transforms
         self._world_frame = world_frame
         self._rgb_topic = rgb_topic

@@ -27,6 +27,11 @@ class StampClock:
     """
 
     def __init__(self, jump: float) -> None:
+        """Begin without stamps.
+
+        Args:
+            jump: least step back, seconds, that is a reset and no lateness.
+        """
         self._jump_ns = round(jump * 1e9)
         self._latest: dict[Role, int] = {}
         self._before_jump: dict[Role, int] = {}

@@ -26,6 +26,12 @@ class TransformBuffer:
     """Every frame's recent poses in its parent. Gaps and jumps are in seconds."""
 
     def __init__(self, longest_gap: float, jump: float) -> None:
+        """Begin without transforms.
+
+        Args:
+            longest_gap: seconds between two transforms that are interpolated at most.
+            jump: seconds back that count as a clock that was reset.
+        """
         self._longest_gap = longest_gap
         self._jump_ns = round(jump * 1e9)
         self._tracks: dict[str, TransformTrack] = {}

@@ -21,6 +21,13 @@ class TransformTrack:
     """Poses of one child frame, all in the same parent frame."""
 
     def __init__(self, first: PoseMessage, is_static: bool, jump_ns: int) -> None:
+        """Begin with one pose.
+
+        Args:
+            first: the first pose.
+            is_static: whether it holds for all times.
+            jump_ns: nanoseconds back that count as a clock that was reset.
+        """
         self.parent = first.frame_id
         self.is_static = is_static
         self._jump_ns = jump_ns
@@ -28,7 +35,7 @@ class TransformTrack:
         self.add(first)
 
     def add(self, transform: PoseMessage) -> None:
-        """Take the next pose; one that is late is left out, one far back starts anew.
+        """Take the next pose; one that is late is left out, one far back starts a new track.
 
         Args:
             transform: of one pair of frames.

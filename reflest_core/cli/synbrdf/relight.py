@@ -18,7 +18,7 @@ def add_parser(products: Any) -> None:
         products: the subcommands of ``reflest synbrdf``.
     """
     parser: argparse.ArgumentParser = products.add_parser(
-        "relight", help="training scenes anew, of other materials under other lights, unrendered"
+        "relight", help="training scenes of other materials under other lights, without rendering"
     )
     parser.add_argument("source", type=Path, help="folder that synbrdf generate made")
     parser.add_argument("--out", type=Path, required=True, help="folder; resumes if it exists")

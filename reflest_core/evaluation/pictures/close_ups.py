@@ -35,6 +35,13 @@ class CloseUps:
     """
 
     def __init__(self, data: Path, environments: Path | None, meshes: Path | None) -> None:
+        """Find the sources.
+
+        Args:
+            data: folder of the data set.
+            environments: the folder that it was generated from; None for procedural skies.
+            meshes: the folder that it was generated from; None for procedural shapes.
+        """
         self.sources = SourceScenes(data, environments, meshes)
         self.images = SceneImages(self.sources.generation, WIDTH, HEIGHT, SAMPLES)
 

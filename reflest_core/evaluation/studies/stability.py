@@ -38,6 +38,9 @@ CAPTURE_FILE = "metadata.yaml"
 def find_captures(folder: Path) -> list[Path]:
     """Return the rosbag2 captures in a folder, by name; the folder itself if it is one.
 
+    Args:
+        folder: where captures are looked for.
+
     Raises:
         EvaluationError: There are none.
     """

@@ -64,6 +64,11 @@ class Study:
     """
 
     def __init__(self, settings: StudySettings) -> None:
+        """Load the scenes.
+
+        Args:
+            settings: what to evaluate and where.
+        """
         self.settings = settings
 
     @cached_property

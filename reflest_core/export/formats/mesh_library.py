@@ -48,7 +48,11 @@ def trimesh_parts(asset: Asset) -> dict[str, Any]:
 
 
 def texture_picture(asset: Asset) -> Any:
-    """The base colour texture as a ``PIL.Image``; None for an asset without one."""
+    """The base colour texture as a ``PIL.Image``; None for an asset without one.
+
+    Args:
+        asset: with its baked textures.
+    """
     if asset.base_colour is None:
         return None
     picture = library("PIL.Image").fromarray(asset.base_colour)

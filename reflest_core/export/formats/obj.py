@@ -60,7 +60,11 @@ def obj_lines(mesh: AssetMesh, first: int = 1) -> list[str]:
 
 
 def png_bytes(picture: Any) -> bytes:
-    """A ``PIL.Image`` as a PNG file's content."""
+    """A ``PIL.Image`` as a PNG file's content.
+
+    Args:
+        picture: of PIL.
+    """
     content = io.BytesIO()
     picture.save(content, "PNG")
     return content.getvalue()

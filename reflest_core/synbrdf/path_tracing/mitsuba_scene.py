@@ -124,7 +124,7 @@ class RadianceTracer:
         is_ray = ray_index < dr.opaque(mi.UInt32, count)
         radiance, _, _ = self.integrator.sample(scene, sampler, ray, None, is_ray)
         channels = [channel / self.samples for channel in radiance]
-        # Unless evaluated here, the sum would be fused into each path-tracing kernel anew.
+        # Unless evaluated here, the sum would be fused into each path-tracing kernel again.
         dr.eval(channels)
         sums = [dr.block_reduce(dr.ReduceOp.Add, channel, self.samples) for channel in channels]
         return np.stack([np.array(channel) for channel in sums], axis=-1)[:count]

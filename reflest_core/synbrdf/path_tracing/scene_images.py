@@ -56,6 +56,14 @@ class SceneImages:
     """
 
     def __init__(self, generation: Generation, width: int, height: int, samples: int) -> None:
+        """Prepare the renderer.
+
+        Args:
+            generation: the data set.
+            width: pixels.
+            height: pixels.
+            samples: paths of a pixel.
+        """
         self.generation = generation
         self.camera, self.samples = depth_camera(width, height), samples
         self.renderer = FullImageRenderer(self.camera, samples)

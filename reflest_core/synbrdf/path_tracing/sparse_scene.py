@@ -67,6 +67,11 @@ class SparseRenderer:
     """Renders scenes one after another with one set of kernels."""
 
     def __init__(self, settings: SparseSettings) -> None:
+        """Prepare the kernels.
+
+        Args:
+            settings: points, views and samples of a scene.
+        """
         self.settings = settings
         self.tracer = RadianceTracer(settings.samples, lanes=1 << 20)
         self.thumbnails = RadianceTracer(settings.thumbnail_samples, lanes=3 << 18, depth=3)

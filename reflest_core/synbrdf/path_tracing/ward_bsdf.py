@@ -31,6 +31,11 @@ class WardBSDF(mi.BSDF):  # type: ignore[misc]
     """
 
     def __init__(self, props: Any) -> None:
+        """Read the material from the properties of a Mitsuba scene.
+
+        Args:
+            props: ``rho_d``, ``rho_s``, ``alpha`` and ``variant``.
+        """
         mi.BSDF.__init__(self, props)
         self.variant = WardVariant(str(props.get("variant", WardVariant.WARD_1992.value)))
         glossy = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
@@ -60,7 +65,7 @@ class WardBSDF(mi.BSDF):  # type: ignore[misc]
         self.alpha = mi.Float(alpha)
         share = specular_share(np.array([rho_d]), np.array([rho_s]))
         self.specular_share = mi.Float(float(share[0]))
-        # Values known to the compiler would be baked in, and each material would compile anew.
+        # Values known to the compiler would be baked in, and each material would compile again.
         dr.make_opaque(self.rho_d, self.rho_s, self.alpha, self.specular_share)
 
     def _material(self, si: Any) -> Any:

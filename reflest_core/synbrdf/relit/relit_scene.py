@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A SynBRDF scene of another material under another light, without rendering it anew.
+"""A SynBRDF scene of another material under another light, without rendering it again.
 
 Shapes and cameras are the scene's; every observation becomes what Eq. 1 (the paper, Sec. 3) says
 of the new material in the new light. So a network meets far more lights than could be rendered.

@@ -25,6 +25,11 @@ class Glow(mi.Emitter):  # type: ignore[misc]
     """
 
     def __init__(self, props: Any) -> None:
+        """Read the emitter from the properties of a Mitsuba scene.
+
+        Args:
+            props: ``radiance``, a texture.
+        """
         mi.Emitter.__init__(self, props)
         self.radiance = props["radiance"]
         self.m_flags = int(mi.EmitterFlags.Surface) | int(mi.EmitterFlags.SpatiallyVarying)

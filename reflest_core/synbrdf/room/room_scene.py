@@ -39,6 +39,11 @@ class RoomBuilder:
     """Makes scenes of rooms one after another with one set of kernels."""
 
     def __init__(self, samples: int = BAKE_SAMPLES) -> None:
+        """Prepare the kernels.
+
+        Args:
+            samples: paths of a texel.
+        """
         self.tracer = RadianceTracer(samples, lanes=1 << 19, depth=BAKE_DEPTH)
 
     def scene(self, mesh: TriangleMesh, bsdf: WardBSDF, room: Room, seed: int) -> Any:

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What a camera exposes a scene for; a rendered scene can be exposed anew without rendering."""
+"""What a camera exposes a scene for; a rendered scene can be exposed again without rendering."""
 
 from __future__ import annotations
 

@@ -83,7 +83,8 @@ def smooth_noise(rng: np.random.Generator, count: int, *channels: int) -> NDArra
 
     Args:
         rng: random numbers; the same state draws the same.
-        count: how many.
+        count: steps.
+        *channels: further dimensions of the result.
     """
     time = np.linspace(0.0, 1.0, count).reshape(-1, *(1 for _ in channels))
     total = np.zeros((count, *channels))

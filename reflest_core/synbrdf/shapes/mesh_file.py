@@ -114,7 +114,7 @@ def _read_ply(path: Path) -> tuple[FloatArray, IntArray]:
     parameters = mi.traverse(mi.load_dict({"type": "ply", "filename": str(path)}))
     vertices = np.array(parameters["vertex_positions"], dtype=np.float64).reshape(-1, 3)
     faces = np.array(parameters["faces"], dtype=np.int64).reshape(-1, 3)
-    # Mitsuba splits vertices by normal; merge them so that creases are found anew.
+    # Mitsuba splits vertices by normal; merge them so that creases are found again.
     merged, index = np.unique(vertices, axis=0, return_inverse=True)
     return merged, index.reshape(-1)[faces]
 
