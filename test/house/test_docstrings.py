@@ -53,7 +53,8 @@ def undocumented(path):
             yield f"{path.relative_to(ROOT)}:{node.lineno} {name} has no docstring"
             continue
         section = re.search(r"^Args:\n((?:[ \t].*\n?|\n)*)", text, re.MULTILINE)
-        described = re.findall(r"^    \*{0,2}(\w+)", section.group(1), re.MULTILINE) if section else []
+        entries = section.group(1) if section else ""
+        described = re.findall(r"^    \*{0,2}(\w+)", entries, re.MULTILINE)
         if missing := [argument for argument in names if argument not in described]:
             yield f"{path.relative_to(ROOT)}:{node.lineno} {name} lacks Args: {', '.join(missing)}"
 
