@@ -30,10 +30,11 @@ RELATIVE_NAMES: Mapping[Role, str] = {role: role.value for role in Role}
 class FrameAssembler:
     """Assembles frames from the messages of a camera and a tracker.
 
-    ``topics`` gives the names for its sentences. ``on_refusal(refusal, is_first)`` is called for
-    every refusal; ``is_first`` marks the first of its cause. ``on_clock_jump(sentence)`` is called
-    within :meth:`add` when stamps start again, before it returns frames of after the jump; what
-    waited has been dropped by then.
+    ``on_clock_jump`` is called within :meth:`add` when stamps start again, before it returns frames
+    of after the jump; what waited has been dropped by then.
+
+    Attributes:
+        refusals: What was refused so far, by cause.
     """
 
     def __init__(

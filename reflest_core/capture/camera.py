@@ -12,7 +12,16 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class CameraIntrinsics:
-    """Pixel units; pixel centres lie at integer coordinates (OpenCV, ROS ``CameraInfo.k``)."""
+    """Pixel centres lie at integer coordinates (OpenCV, ROS ``CameraInfo.k``).
+
+    Attributes:
+        width: Columns of the image.
+        height: Rows of the image.
+        fx: Horizontal focal length, pixels.
+        fy: Vertical focal length, pixels.
+        cx: Column of the principal point.
+        cy: Row of the principal point.
+    """
 
     width: int
     height: int

@@ -16,12 +16,17 @@ from reflest_core.capture.camera import CameraIntrinsics
 class Frame:
     """A matched, decoded and checked frame.
 
-    ``rgb``: (H, W, 3) uint8, 8-bit sRGB. ``depth``: (H, W) float32, Z along the optical axis in
-    metres, registered to ``rgb``; 0 where unknown. ``T_world_camera``: (4, 4) float64, camera
-    optical frame (z forward, x right, y down) to world. ``mask``: (H, W) bool, True on the scanned
-    object, or None where nobody published one. ``frame_id``, ``world_frame_id``: names of the
-    camera's and of the world frame, "" where unknown. ``depth_source``: how sentences name the
-    depth image.
+    Attributes:
+        stamp_ns: Stamp of the colour image, nanoseconds.
+        rgb: (H, W, 3) uint8, 8-bit sRGB.
+        depth: (H, W) float32, Z along the optical axis in metres, registered to ``rgb``; 0 where
+            unknown.
+        T_world_camera: (4, 4) float64, camera optical frame (z forward, x right, y down) to world.
+        intrinsics: Of both images.
+        mask: (H, W) bool, True on the scanned object; None where nobody published one.
+        frame_id: Name of the camera's frame, "" where unknown.
+        world_frame_id: Name of the world frame, "" where unknown.
+        depth_source: What sentences call the depth image.
     """
 
     stamp_ns: int

@@ -39,7 +39,18 @@ class Role(enum.Enum):
 
 @dataclass(frozen=True, eq=False)
 class ImageMessage:
-    """``sensor_msgs/Image``: ``height`` rows of ``step`` bytes each."""
+    """``sensor_msgs/Image``.
+
+    Attributes:
+        stamp_ns: Nanoseconds.
+        frame_id: The camera's frame.
+        height: Rows.
+        width: Columns.
+        encoding: As ``rgb8``.
+        is_bigendian: Byte order of wider pixels.
+        step: Bytes in a row.
+        data: ``height`` rows of ``step`` bytes.
+    """
 
     stamp_ns: int
     frame_id: str
@@ -53,7 +64,14 @@ class ImageMessage:
 
 @dataclass(frozen=True, eq=False)
 class CompressedImageMessage:
-    """``sensor_msgs/CompressedImage``: a jpeg, a png, or a png behind compressedDepth's header."""
+    """``sensor_msgs/CompressedImage``: a jpeg, a png, or a png behind compressedDepth's header.
+
+    Attributes:
+        stamp_ns: Nanoseconds.
+        frame_id: The camera's frame.
+        format: As ``jpeg`` or ``16UC1; compressedDepth png``.
+        data: The packed image.
+    """
 
     stamp_ns: int
     frame_id: str
@@ -65,10 +83,17 @@ class CompressedImageMessage:
 class CameraInfoMessage:
     """``sensor_msgs/CameraInfo``: calibration at full resolution, then ROI and binning.
 
-    ``k``: (9,) row-major raw intrinsics, pixels. ``d``: distortion coefficients of
-    ``distortion_model``. ``p``: (12,) row-major projection of the rectified image. ``roi``:
-    x offset, y offset, width, height in full-resolution pixels; all 0 means the whole image.
-    ``binning``: x, y; 0 means 1.
+    Attributes:
+        stamp_ns: Nanoseconds.
+        frame_id: The camera's frame.
+        width: Columns at full resolution.
+        height: Rows at full resolution.
+        k: (9,) row-major raw intrinsics, pixels.
+        d: Distortion coefficients of ``distortion_model``.
+        distortion_model: As ``plumb_bob``.
+        p: (12,) row-major projection of the rectified image.
+        binning: x, y; 0 means 1.
+        roi: x offset, y offset, width, height in full-resolution pixels; all 0 means the whole.
     """
 
     stamp_ns: int
@@ -87,8 +112,12 @@ class CameraInfoMessage:
 class PoseMessage:
     """Pose of ``child_frame_id`` in ``frame_id`` (``PoseStamped``, ``Odometry``, a transform).
 
-    ``position``: x, y, z in metres. ``orientation``: quaternion x, y, z, w. An empty
-    ``child_frame_id`` means the colour camera's optical frame, as in a ``PoseStamped``.
+    Attributes:
+        stamp_ns: Nanoseconds.
+        frame_id: The parent frame.
+        position: x, y, z in metres.
+        orientation: Quaternion x, y, z, w.
+        child_frame_id: Empty for the colour camera's optical frame, as in a ``PoseStamped``.
     """
 
     stamp_ns: int
@@ -100,7 +129,11 @@ class PoseMessage:
 
 @dataclass(frozen=True)
 class TransformsMessage:
-    """``tf2_msgs/TFMessage``: each transform is the pose of its child frame in its parent frame."""
+    """``tf2_msgs/TFMessage``.
+
+    Attributes:
+        transforms: Each is the pose of its child frame in its parent frame.
+    """
 
     transforms: tuple[PoseMessage, ...]
 
@@ -116,7 +149,17 @@ SensorMessage: TypeAlias = AnyImage | CameraInfoMessage | PoseMessage | Transfor
 
 @dataclass(frozen=True, eq=False)
 class Match:
-    """The messages of one moment; the two poses bracket the colour image's stamp."""
+    """The messages of one moment.
+
+    Attributes:
+        rgb: The colour image.
+        depth: The depth image nearest to it.
+        camera_info: Calibration of the colour camera.
+        depth_info: Calibration of the depth camera, if known.
+        pose_before: The pose at or before the colour image's stamp.
+        pose_after: The pose at or after it.
+        mask: The mask nearest to it, if one is used.
+    """
 
     rgb: AnyImage
     depth: AnyImage

@@ -28,6 +28,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Args:
         arguments: the words after ``reflest``; None takes those of the process.
+
+    Returns:
+        The exit code.
     """
     given = [_without_exponent(word) for word in (sys.argv[1:] if arguments is None else arguments)]
     try:

@@ -47,6 +47,9 @@ def run(options: argparse.Namespace) -> int:
 
     Args:
         options: all options of the command.
+
+    Returns:
+        The exit code.
     """
     from reflest_core.cli.replay_run import replay
 

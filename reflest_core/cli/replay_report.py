@@ -25,8 +25,16 @@ from reflest_core.fusion.poses.check import PoseCheck, PoseReport
 class ReplayResult:
     """What came out: an estimate for each keyframe, and one from the whole scan or why not.
 
-    ``fused_count``: frames taken in; ``redundant_count``: those among them that showed nothing new;
-    ``light_count``: those that looked away from the object.
+    Attributes:
+        fused_count: Frames that were used.
+        redundant_count: Those among them that showed nothing new.
+        light_count: Those that looked away from the object.
+        last_fused: The last frame that was used.
+        estimates: Of the keyframes.
+        final: Of the whole scan.
+        no_final: Why there is none.
+        materials: Of the whole scan.
+        poses: How well the depth maps met.
     """
 
     fused_count: int = 0

@@ -111,7 +111,7 @@ def test_poses_come_from_tf_and_what_lacks_is_named(start, settings_file, peer, 
     played(start, bag, tf2, "--topics", *images)
     peer.wait_until(lambda: peer.count("refused transform_missing") == COUNT, "not refused", SOON)
     warning = node.wait_for_line(r"\(cause: transform_missing; logged once\)")
-    for word in ("map", OPTICAL_FRAME, "tf has told nothing yet"):
+    for word in ("map", OPTICAL_FRAME, "tf holds nothing yet"):
         assert word in warning
     assert peer.count("frames fused") == 0
     played(start, write(tmp_path / "good", ahead_ns=10**9), tf2)

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The kinds of folders, told by their files' names: a new loader is one entry here."""
+"""The kinds of folders, recognised by their files' names: a new loader is one entry here."""
 
 from __future__ import annotations
 

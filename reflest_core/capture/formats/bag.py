@@ -35,7 +35,12 @@ class Bag:
     depth_encoding: str | None = None
 
     def __init__(self, path: Path, choice: TopicChoice, pose_source: str) -> None:
-        """Open the files and settle which topic plays which role.
+        """Open the files and choose which topic plays which role.
+
+        Args:
+            path: An MCAP or .db3 file, or a rosbag2 directory.
+            choice: Topics that the user named.
+            pose_source: ``pose``, ``odom`` or ``tf``.
 
         Args:
             path: the file or folder.

@@ -13,7 +13,14 @@ LFS_POINTER = b"version https://git-lfs.github.com/spec/"
 
 
 class RawMessage(NamedTuple):
-    """One recorded message, still in CDR."""
+    """One recorded message, still in CDR.
+
+    Attributes:
+        topic: Its topic.
+        message_type: As ``sensor_msgs/msg/Image``.
+        log_time_ns: When it was recorded.
+        cdr: The serialised message.
+    """
 
     topic: str
     message_type: str
@@ -23,7 +30,13 @@ class RawMessage(NamedTuple):
 
 @dataclass(frozen=True)
 class BagTopic:
-    """A recorded topic; ``count`` is None where the file does not say."""
+    """A recorded topic.
+
+    Attributes:
+        name: Of the topic.
+        message_type: As ``sensor_msgs/msg/Image``.
+        count: Messages; None where the file does not say.
+    """
 
     name: str
     message_type: str
@@ -54,6 +67,9 @@ def pointer_sentence(path: Path) -> str | None:
 
     Args:
         path: The file.
+
+    Returns:
+        The sentence, or None.
     """
     with path.open("rb") as stream:
         if not stream.read(len(LFS_POINTER)).startswith(LFS_POINTER):

@@ -28,7 +28,13 @@ class McapDamage(Exception):
 
 
 class Record(NamedTuple):
-    """One record: where it starts in its file or chunk, its opcode, its content."""
+    """One record.
+
+    Attributes:
+        offset: Where it starts in its file or chunk.
+        opcode: Its kind.
+        content: Its bytes.
+    """
 
     offset: int
     opcode: int

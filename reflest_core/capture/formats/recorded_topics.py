@@ -16,7 +16,13 @@ TRANSFORM_NAMES = {Role.TF: "/tf", Role.TF_STATIC: "/tf_static"}
 
 @dataclass(frozen=True)
 class CandidateTopic:
-    """A recorded topic; ``encoding`` is that of its first image, "" for other types."""
+    """A recorded topic.
+
+    Attributes:
+        name: Of the topic.
+        message_type: As ``sensor_msgs/msg/Image``.
+        encoding: Of its first image; "" for other types.
+    """
 
     name: str
     message_type: str

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Which recorded topic plays which role: by type where that is unambiguous, else as told."""
+"""Which recorded topic plays which role: by type where that is unambiguous, else by name."""
 
 from __future__ import annotations
 
@@ -42,7 +42,16 @@ ENCODINGS = {
 
 @dataclass(frozen=True)
 class TopicChoice:
-    """Topics that the user named; None means "find it". A mask is used only if named."""
+    """Topics that the user named; None: to be found. A mask is used only if named.
+
+    Attributes:
+        rgb: Colour images.
+        depth: Depth images.
+        camera_info: Calibration of the colour camera.
+        pose: Poses or odometry.
+        mask: Masks of the object.
+        depth_camera_info: Calibration of the depth camera.
+    """
 
     rgb: str | None = None
     depth: str | None = None

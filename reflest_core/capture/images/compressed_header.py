@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What a jpeg or png says of itself, read without unpacking it."""
+"""Size and type of a jpeg or png, read without unpacking it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,16 @@ PNG_CHANNELS = {0: 1, 2: 3, 3: 3, 4: 2, 6: 4}  # by colour type; a palette unpac
 
 @dataclass(frozen=True)
 class CompressedHeader:
-    """``kind`` is jpeg or png; ``bit_depth`` is per channel; ``is_complete``: its end is there."""
+    """What a header says.
+
+    Attributes:
+        kind: jpeg or png.
+        width: Columns.
+        height: Rows.
+        bit_depth: Of each channel.
+        channels: When unpacked.
+        is_complete: Whether the end is there.
+    """
 
     kind: str
     width: int

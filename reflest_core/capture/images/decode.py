@@ -118,12 +118,12 @@ def decode_mask(message: AnyImage, topic: str) -> NDArray[np.bool_]:
 
 
 def _unsupported(
-    encoding: str, topic: str, supported: Iterable[str], kind: str, knob: str
+    encoding: str, topic: str, supported: Iterable[str], kind: str, option: str
 ) -> FrameRefused:
     return FrameRefused(
         RefusalCause.ENCODING,
         f"{topic} has encoding {encoding!r}, which is not read as {kind}: publish one of "
-        f"{', '.join(supported)}, or choose another topic ({knob})",
+        f"{', '.join(supported)}, or choose another topic ({option})",
     )
 
 

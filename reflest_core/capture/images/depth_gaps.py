@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Depth with gaps in a grid, as projection into another camera leaves it: gaps told from edges.
+"""Depth with gaps in a grid, as projection into another camera leaves it: filled within surfaces.
 
 Depth that a driver projected into the colour camera pixel by pixel (``depth_image_proc/register``
 does) is valid in some rows and columns alone. Such a gap lies within one surface where valid pixels

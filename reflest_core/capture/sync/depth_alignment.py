@@ -69,7 +69,7 @@ class DepthAlignment:
         sizes = {_size(rgb), _size(depth)}
         return len(sizes) == 2 and None not in sizes
 
-    def is_settled(self, rgb: AnyImage, depth: AnyImage, info: CameraInfoMessage | None) -> bool:
+    def is_decided(self, rgb: AnyImage, depth: AnyImage, info: CameraInfoMessage | None) -> bool:
         """Tell whether no later message can change what becomes of the depth image.
 
         Args:

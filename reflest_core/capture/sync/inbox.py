@@ -18,11 +18,7 @@ INFO_ROLES = (Role.CAMERA_INFO, Role.DEPTH_INFO)
 
 
 class Inbox:
-    """A queue for each of ``roles``, the cameras' calibrations and the transforms.
-
-    ``jump``: seconds back in time from which on the clock has jumped; then everything that waits is
-    forgotten, and ``on_clock_jump(sentence)`` is called.
-    """
+    """A queue for each role, the cameras' calibrations and the transforms."""
 
     def __init__(
         self,

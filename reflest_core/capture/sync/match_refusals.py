@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Why a message found no partner, in a sentence that names the topic and the knob."""
+"""Why a message found no partner, in a sentence that names the topic and the parameter."""
 
 from __future__ import annotations
 

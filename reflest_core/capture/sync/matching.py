@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Matches colour, depth, calibration, pose and mask in time.
 
-Colour is the reference. What matches a colour image is settled only when every other topic has
+Colour is the reference. What matches a colour image is decided only when every other topic has
 come as far as its stamp, so the matches do not depend on the order in which the topics' messages
 arrive, as long as no queue overflows, none is waited for too long and the calibration does not
 change in mid-scan. Within a topic, stamps must increase, until the clock goes back.
@@ -90,37 +90,41 @@ class Matcher:
             message: as it was received or recorded.
         """
         self._inbox.add(role, message)
-        return self._settle(is_closed=False) + self._shorten(role)
+        return self._decide(is_closed=False) + self._shorten(role)
 
     def flush(self) -> list[Match]:
-        """Settle what still waits with what is known; for the end of a capture."""
-        return self._settle(is_closed=True)
+        """Settle what still waits with what is known; for the end of a capture.
 
-    def _settle(self, is_closed: bool) -> list[Match]:
+        Returns:
+            The matches that still can be made.
+        """
+        return self._decide(is_closed=True)
+
+    def _decide(self, is_closed: bool) -> list[Match]:
         matches: list[Match] = []
         colours = self._inbox.queues[Role.RGB]
         while len(colours) > 0:
             rgb = cast(AnyImage, colours.oldest)
             is_overdue = cast(int, colours.latest) - rgb.stamp_ns > self._max_wait_ns
-            if not is_closed and not is_overdue and not self._is_settled(rgb):
+            if not is_closed and not is_overdue and not self._is_decided(rgb):
                 break
             matches += self._match_oldest()
         return matches
 
-    def _is_settled(self, rgb: AnyImage) -> bool:
+    def _is_decided(self, rgb: AnyImage) -> bool:
         # A calibration may be published once, so that any is enough.
         return (
             len(self._inbox.infos[Role.CAMERA_INFO]) > 0
             and all(self._inbox.queues[role].has_reached(rgb.stamp_ns) for role in self._partners)
             and self._poses.has_reached(rgb)
-            and self._is_depth_settled(rgb)
+            and self._is_depth_decided(rgb)
         )
 
-    def _is_depth_settled(self, rgb: AnyImage) -> bool:
+    def _is_depth_decided(self, rgb: AnyImage) -> bool:
         depth = cast("AnyImage | None", self._inbox.queues[Role.DEPTH].nearest(rgb.stamp_ns))
         if depth is None or abs(depth.stamp_ns - rgb.stamp_ns) > self._slop_ns:
             return True
-        return self._alignment.is_settled(rgb, depth, self._depth_info(depth))
+        return self._alignment.is_decided(rgb, depth, self._depth_info(depth))
 
     def _match_oldest(self) -> list[Match]:
         """Match the oldest colour image, or refuse it."""

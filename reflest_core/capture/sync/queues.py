@@ -37,7 +37,11 @@ class StampedQueue(Generic[T]):
         self.latest = stamp_ns
 
     def pop_oldest(self) -> T:
-        """Remove and return the oldest message."""
+        """Remove and return the oldest message.
+
+        Returns:
+            The message.
+        """
         self._stamps.pop(0)
         return self._messages.pop(0)
 
@@ -85,7 +89,11 @@ class StampedQueue(Generic[T]):
         )
 
     def clear(self) -> list[T]:
-        """Forget everything, ``latest`` too; return what waited."""
+        """Forget everything, ``latest`` too; return what waited.
+
+        Returns:
+            What waited.
+        """
         waiting = self._messages
         self._stamps, self._messages, self.latest = [], [], None
         return waiting
@@ -141,7 +149,11 @@ class Calibrations:
         return self._infos[0]
 
     def pop_oldest(self) -> CameraInfoMessage:
-        """Remove and return the oldest."""
+        """Remove and return the oldest.
+
+        Returns:
+            It.
+        """
         return self._infos.pop(0)
 
     def at(self, stamp_ns: int) -> CameraInfoMessage | None:

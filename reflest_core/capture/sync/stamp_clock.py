@@ -20,7 +20,7 @@ class StampVerdict(enum.Enum):
 
 
 class StampClock:
-    """Remembers how far each topic has come. ``jump``: the least step back, s, that is no lateness.
+    """Remembers how far each topic has come.
 
     One stamp far back may be a mistake, two that agree are a jump. After it, topics that have not
     followed yet still deliver some messages of before it.

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The tree of coordinate frames that ``/tf`` and ``/tf_static`` tell, asked at any stamp.
+"""The tree of coordinate frames of ``/tf`` and ``/tf_static``, at any stamp.
 
 Fed by messages alone, live or from a bag. What is not known is refused: it never becomes the
 identity, and nothing is extrapolated.
@@ -23,7 +23,7 @@ MOST_NAMED = 8
 
 
 class TransformBuffer:
-    """Every frame's recent poses in its parent. Gaps and jumps are in seconds."""
+    """Every frame's recent poses in its parent."""
 
     def __init__(self, longest_gap: float, jump: float) -> None:
         """Begin without transforms.
@@ -145,7 +145,7 @@ class TransformBuffer:
         listed = ", ".join(known[:MOST_NAMED]) + (", ..." if len(known) > MOST_NAMED else "")
         return (
             f"no transform from {source!r} to {target!r}: tf "
-            f"{f'knows {listed} and does not join the two' if known else 'has told nothing yet'}; "
+            f"{f'knows {listed} and does not join the two' if known else 'holds nothing yet'}; "
             "publish the missing one, or set capture.world_frame and the images' frame_id rightly"
         )
 

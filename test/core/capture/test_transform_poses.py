@@ -109,7 +109,7 @@ def given_up(messages, **values):
 def test_without_tf_every_frame_is_refused_and_none_stands_at_the_origin():
     count, sentence = given_up([one for one in with_tf(5) if one.role is not Role.TF])
     assert count == 5
-    for word in ("map", CAMERA, "has told nothing yet"):
+    for word in ("map", CAMERA, "holds nothing yet"):
         assert word in sentence
 
 

@@ -116,7 +116,7 @@ def test_without_the_depth_cameras_info_it_is_refused_naming_what_lacks():
 def test_without_the_transform_it_is_refused_naming_both_frames():
     cause, sentence = refused([depth_info(), *unregistered()])
     assert cause == "transform_missing"
-    for word in (DEPTH, COLOUR, "has told nothing yet", "capture.depth_to_rgb"):
+    for word in (DEPTH, COLOUR, "holds nothing yet", "capture.depth_to_rgb"):
         assert word in sentence
 
 

@@ -118,7 +118,7 @@ def test_what_is_not_known_is_refused_by_name(target, source, second, words):
 
 
 def test_an_empty_buffer_says_that_nothing_came():
-    with pytest.raises(FrameRefused, match="has told nothing yet"):
+    with pytest.raises(FrameRefused, match="holds nothing yet"):
         buffer_of().matrix("map", "camera", 0)
 
 
