@@ -93,7 +93,7 @@ class Matcher:
         return self._decide(is_closed=False) + self._shorten(role)
 
     def flush(self) -> list[Match]:
-        """Settle what still waits with what is known; for the end of a capture.
+        """Decide what still waits by what is known; for the end of a capture.
 
         Returns:
             The matches that still can be made.
