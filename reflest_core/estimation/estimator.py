@@ -74,8 +74,13 @@ class Estimator:
         with one_blas_thread():
             light = infer_light(surface, seen_light(surface))
             prediction = self.predictor.predict(surface, explain_material(light, WHOLE))
-        whole, least_gain = [np.arange(surface.voxel_count)], self.settings.gloss_information
-        gloss = gloss_posterior(surface, light.filled, whole, least_gain=least_gain)
+        gloss = gloss_posterior(
+            surface,
+            light.filled,
+            [np.arange(surface.voxel_count)],
+            most=self.settings.gloss_voxels,
+            least_gain=self.settings.gloss_information,
+        )
         return self._published(surface, prediction, gloss, header)
 
     def materials(
@@ -158,7 +163,8 @@ class Estimator:
         stddev = rho_d.copy()
         scene = None
         if light is not None:
-            scene = SceneEstimates(turned, light, self.settings.gloss_information, sight)
+            options = self.settings.gloss_voxels, self.settings.gloss_information
+            scene = SceneEstimates(turned, light, *options, sight)
         materials = []
         for material_id, part in partition.parts(turned):
             if int((part.observation_counts > 0).sum()) < self.settings.min_voxels:

@@ -57,6 +57,7 @@ class SceneEstimates:
         self,
         surface: ObservedSurface,
         light: SceneLight,
+        gloss_voxels: int,
         gloss_information: float,
         sight: SurfaceSight | None = None,
     ) -> None:
@@ -65,10 +66,12 @@ class SceneEstimates:
         Args:
             surface: the scan, +z up.
             light: of that scan.
+            gloss_voxels: of a material, whose observations tell roughness.
             gloss_information: log-likelihood from which roughness is identifiable.
             sight: of the surface, where it is known already.
         """
-        self._surface, self._light, self._information = surface, light, gloss_information
+        self._surface, self._light = surface, light
+        self._gloss_voxels, self._information = gloss_voxels, gloss_information
         self._rated = RatedSurface.of(surface, light.filled)
         self._sight = sight or _sight(surface, light)
         self._irradiance = surface_irradiance(light.completed, self._sight)[:, :3]
@@ -90,7 +93,12 @@ class SceneEstimates:
         light, joint = self._light, self._light.joint
         segments = [voxels] if joint is None else joint.segments_of(voxels)
         gloss = gloss_posterior(
-            self._surface, light.filled, segments, self._rated, least_gain=self._information
+            self._surface,
+            light.filled,
+            segments,
+            self._rated,
+            most=self._gloss_voxels,
+            least_gain=self._information,
         )
         ward, stddev = physical_ward(prediction.ward), prediction.stddev
         if stddev is not None:

@@ -59,6 +59,7 @@ def identifiability(
     matte: float,
     effective_voxels: float,
     least_gain: float = LEAST_GAIN,
+    fewest_voxels: float = FEWEST_VOXELS,
 ) -> Identifiability:
     """Judge the likelihood of K roughnesses.
 
@@ -69,6 +70,7 @@ def identifiability(
         matte: Log-likelihood of all observations at ``rho_s = 0``.
         effective_voxels: Sum of the voxels' trust.
         least_gain: Log-likelihood over ``rho_s = 0`` that is asked for.
+        fewest_voxels: Effective voxels that are asked for.
 
     Returns:
         Posterior, deviation and reason.
@@ -87,10 +89,10 @@ def identifiability(
     probability /= probability.sum()
     gain = float(total[peak]) - matte
     reason = ""
-    if effective_voxels < FEWEST_VOXELS:
+    if effective_voxels < fewest_voxels:
         reason = (
             f"{effective_voxels:.0f} voxels of good normals mirror light that was seen, "
-            f"{FEWEST_VOXELS:.0f} are needed"
+            f"{fewest_voxels:.0f} are needed"
         )
     elif gain < least_gain:
         reason = (

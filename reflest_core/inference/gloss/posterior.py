@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.inference.gloss.identifiability import LEAST_GAIN, identifiability
+from reflest_core.inference.gloss.identifiability import FEWEST_VOXELS, LEAST_GAIN, identifiability
 from reflest_core.inference.gloss.likelihood import fit_gloss
 from reflest_core.inference.gloss.lobes import SEEN, lobe_light
 from reflest_core.inference.gloss.rated_surface import CHOSEN, RatedSurface
@@ -154,7 +154,8 @@ def gloss_posterior(
     # A clipped observation is a bound alone, and says little.
     known = trust * (chosen.colours < 255).mean(axis=1)
     effective = float((known / np.repeat(counts, counts)).sum())
-    found = identifiability(ALPHAS, of_parts, fits.log_prior, fits.matte, effective, least_gain)
+    fewest = min(FEWEST_VOXELS, most / 3.0)
+    found = identifiability(ALPHAS, of_parts, fits.log_prior, fits.matte, effective, least_gain, fewest)
     log_likelihood = of_parts.sum(axis=0) + fits.log_prior
     return GlossPosterior(
         alphas=ALPHAS,
