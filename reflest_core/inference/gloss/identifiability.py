@@ -18,11 +18,13 @@ from numpy.typing import NDArray
 
 LEAST_GAIN = 40.0
 """Log-likelihood over ``rho_s = 0``, below which roughness cannot be told."""
-FEWEST_VOXELS = 100.0
+FEWEST_VOXELS = 60.0
 """Effective voxels, below which it cannot."""
+MOST_CLIPPED = 0.5
+"""Share of clipped observations, above which it cannot: they say hardly more than 'bright'."""
 MOST_SPREAD = 0.5
 """Standard deviation of ``ln alpha`` by the parts' disagreement, above which it cannot."""
-MODEL_ERROR = 0.25
+MODEL_ERROR = 0.3
 """Standard deviation of ``ln alpha`` that no number of observations removes: what the light's map,
 the model of the normals' errors and the camera's processing contribute."""
 EDGE_ERROR = 0.5
@@ -58,6 +60,7 @@ def identifiability(
     log_prior: NDArray[np.float64],
     matte: float,
     effective_voxels: float,
+    clipped_share: float = 0.0,
     least_gain: float = LEAST_GAIN,
     fewest_voxels: float = FEWEST_VOXELS,
 ) -> Identifiability:
@@ -69,6 +72,7 @@ def identifiability(
         log_prior: (K,) of what else was fitted at each roughness.
         matte: Log-likelihood of all observations at ``rho_s = 0``.
         effective_voxels: Sum of the voxels' trust.
+        clipped_share: Of the observations, those that are bounds alone.
         least_gain: Log-likelihood over ``rho_s = 0`` that is asked for.
         fewest_voxels: Effective voxels that are asked for.
 
@@ -94,6 +98,8 @@ def identifiability(
             f"{effective_voxels:.0f} voxels of good normals mirror light that was seen, "
             f"{fewest_voxels:.0f} are needed"
         )
+    elif clipped_share > MOST_CLIPPED:
+        reason = f"{clipped_share:.0%} of the highlights are overexposed"
     elif gain < least_gain:
         reason = (
             f"highlights raise the log-likelihood by {max(gain, 0.0):.0f}, "

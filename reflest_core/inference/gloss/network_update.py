@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from reflest_core.inference.gloss.posterior import GlossPosterior
 
-LEAST_SPREAD, MOST_SPREAD = 0.3, 0.7
+LEAST_SPREAD, MOST_SPREAD = 0.45, 0.7
 """Least and greatest standard deviation of ``ln alpha`` that the network's answer is taken to have:
 the greatest is what it has on measured materials."""
 SMALLEST = 0.01

@@ -154,8 +154,11 @@ def gloss_posterior(
     # A clipped observation is a bound alone, and says little.
     known = trust * (chosen.colours < 255).mean(axis=1)
     effective = float((known / np.repeat(counts, counts)).sum())
-    fewest = min(FEWEST_VOXELS, most / 3.0)
-    found = identifiability(ALPHAS, of_parts, fits.log_prior, fits.matte, effective, least_gain, fewest)
+    clipped = 1.0 - float(known.sum()) / max(float(trust.sum()), 1e-9) if len(trust) else 0.0
+    fewest = min(FEWEST_VOXELS, most / 4.0)
+    found = identifiability(
+        ALPHAS, of_parts, fits.log_prior, fits.matte, effective, clipped, least_gain, fewest
+    )
     log_likelihood = of_parts.sum(axis=0) + fits.log_prior
     return GlossPosterior(
         alphas=ALPHAS,

@@ -48,7 +48,8 @@ def test_the_stated_deviation_is_that_of_the_mean_of_disagreeing_parts():
 @pytest.mark.parametrize(
     ("centres", "changed", "reason"),
     [
-        ([0.05] * 8, {"effective_voxels": 0.9 * FEWEST_VOXELS}, "90 voxels"),
+        ([0.05] * 8, {"effective_voxels": 0.9 * FEWEST_VOXELS}, "54 voxels"),
+        ([0.05] * 8, {"clipped_share": 0.6}, "60% of the highlights are overexposed"),
         ([0.05] * 8, {"matte": 1.0 - LEAST_GAIN}, "39, 40 are needed"),
         ([0.01] * 4 + [0.3] * 4, {}, "disagree"),
     ],
