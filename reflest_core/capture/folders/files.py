@@ -29,6 +29,9 @@ INTRINSICS = ("camera-intrinsics.txt", "camera-intrinsics.color.txt")
 PACKED = (".png", ".jpg", ".jpeg")
 FRAME_RATE = 30
 """Of formats that have no time, frames a second."""
+MOST_SECONDS = 2**63 / 1e9
+UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, ArithmeticError, RecursionError)
+"""What a damaged text file makes its parsing raise."""
 
 
 def read_text(path: Path) -> str:
@@ -99,7 +102,7 @@ def colour_message(path: Path, stamp_ns: int) -> AnyImage:
     data = path.read_bytes()
     if path.suffix.lower() in PACKED:
         return CompressedImageMessage(stamp_ns, "", path.suffix, data)
-    pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+    pixels = _unpacked(data, cv2.IMREAD_COLOR)
     if pixels is None:
         return CompressedImageMessage(stamp_ns, "", path.suffix, data)
     return image_message(np.asarray(pixels, np.uint8), "bgr8", stamp_ns)
@@ -123,8 +126,8 @@ def depth_message(path: Path, stamp_ns: int) -> AnyImage:
     data = path.read_bytes()
     if suffix == ".png":
         return CompressedImageMessage(stamp_ns, "", "16UC1; png", data)
-    pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-    return _depth_pixels(np.empty((0, 0)) if pixels is None else np.asarray(pixels), stamp_ns)
+    pixels = _unpacked(data, cv2.IMREAD_UNCHANGED)
+    return _depth_pixels(np.empty((0, 0)) if pixels is None else pixels, stamp_ns)
 
 
 def image_message(pixels: NDArray[np.generic], encoding: str, stamp_ns: int) -> ImageMessage:
@@ -158,7 +161,7 @@ def image_size(path: Path) -> tuple[int, int]:
         message = depth_message(path, 0)
         assert isinstance(message, ImageMessage)
         return message.width, message.height
-    pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
+    pixels = _unpacked(data, cv2.IMREAD_UNCHANGED)
     if pixels is None:
         raise CaptureError(pointer_sentence(path) or f"{path} is neither a jpeg nor a png")
     return int(pixels.shape[1]), int(pixels.shape[0])
@@ -228,6 +231,20 @@ def resized(info: CameraInfoMessage, size: tuple[int, int]) -> CameraInfoMessage
     return camera_info(pinhole, size, info.d, info.distortion_model)
 
 
+def stamp_of(seconds: float) -> int:
+    """Return a stamp in nanoseconds.
+
+    Args:
+        seconds: Time as a file gives it.
+
+    Raises:
+        ValueError: It is no time that fits a message.
+    """
+    if not abs(seconds) < MOST_SECONDS:
+        raise ValueError(f"{seconds} s is no time")
+    return round(seconds * 1e9)
+
+
 def by_number(folder: Path, pattern: str) -> dict[int, Path]:
     """Return a folder's files by the number in their names, in its order.
 
@@ -245,6 +262,15 @@ def by_number(folder: Path, pattern: str) -> dict[int, Path]:
 ReadImage = Callable[[], AnyImage]
 
 
+def _unpacked(data: bytes, flags: int) -> NDArray[np.generic] | None:
+    """Return an image's pixels, None where OpenCV reads none (or refuses its size)."""
+    try:
+        pixels = cv2.imdecode(np.frombuffer(data, np.uint8), flags) if data else None
+    except cv2.error:
+        return None
+    return None if pixels is None else np.asarray(pixels)
+
+
 def _depth_pixels(pixels: NDArray[np.generic], stamp_ns: int) -> ImageMessage:
     pixels = np.squeeze(pixels)
     if pixels.ndim == 2 and pixels.dtype.kind == "f":
@@ -257,7 +283,7 @@ def _depth_pixels(pixels: NDArray[np.generic], stamp_ns: int) -> ImageMessage:
 def _read_npy(path: Path) -> NDArray[np.generic]:
     try:
         return np.asarray(np.load(path, allow_pickle=False))
-    except ValueError:  # no array, or one of objects
+    except (ValueError, EOFError, MemoryError):  # no array, one of objects, or a lie on its size
         return np.empty((0, 0))
 
 

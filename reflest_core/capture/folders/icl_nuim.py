@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from reflest_core.capture.folders.files import (
     FRAME_RATE,
+    UNREADABLE,
     Pinhole,
     by_number,
     camera_info,
@@ -81,7 +82,7 @@ def _poses(path: Path) -> dict[int, NDArray[np.float64]]:
             index, *values = (float(word) for word in words)
             position, quaternion = np.array(values[:3]), np.array(values[3:])
             pose = rigid_matrix(position, quaternion / np.linalg.norm(quaternion))
-        except ValueError as error:
+            found[int(index)] = MIRROR @ pose @ MIRROR
+        except UNREADABLE as error:
             raise CaptureError(f"{path}, line {number}: expected 8 numbers") from error
-        found[int(index)] = MIRROR @ pose @ MIRROR
     return found

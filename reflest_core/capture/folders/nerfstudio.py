@@ -20,6 +20,7 @@ import numpy as np
 
 from reflest_core.capture.folders.files import (
     FRAME_RATE,
+    UNREADABLE,
     Pinhole,
     camera_info,
     colour_message,
@@ -73,7 +74,7 @@ def open_nerfstudio(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
                     info,
                 )
             )
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except UNREADABLE as error:
         reason = f"{error.args[0]} is missing" if isinstance(error, KeyError) else str(error)
         raise CaptureError(f"{path} cannot be read: {reason}") from error
     if common is None:
@@ -91,6 +92,8 @@ def _camera(
     values: dict[str, Any], colour: Path, pinhole: Pinhole | None, path: Path
 ) -> CameraInfoMessage:
     size = (int(values["w"]), int(values["h"])) if "w" in values else image_size(colour)
+    if min(size) < 1:
+        raise ValueError(f"w and h are {size}")
     if pinhole is None:
         if "fl_x" in values:
             fx = float(values["fl_x"])

@@ -18,6 +18,7 @@ import numpy as np
 
 from reflest_core.capture.folders.files import (
     FRAME_RATE,
+    UNREADABLE,
     Pinhole,
     by_number,
     camera_info,
@@ -26,6 +27,7 @@ from reflest_core.capture.folders.files import (
     image_size,
     pinhole_of,
     read_text,
+    stamp_of,
 )
 from reflest_core.capture.folders.frame_folder import FolderFrame, FrameFolder
 from reflest_core.capture.folders.nerfstudio import FROM_OPENGL
@@ -49,10 +51,11 @@ def open_record3d(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
     try:
         metadata: dict[str, Any] = json.loads(read_text(path))
         rate = float(metadata.get("fps") or FRAME_RATE)
+        stamp_of(len(metadata["poses"]) / rate)
         poses = [_pose(values) for values in metadata["poses"]]
         if pinhole is None:
             pinhole = pinhole_of(np.array(metadata["K"], np.float64).reshape(3, 3).T)
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except UNREADABLE as error:
         raise CaptureError(f"{path} holds no K of 9 numbers and poses of 7: {error}") from error
     place = folder / IMAGES if (folder / IMAGES).is_dir() else folder
     colours = by_number(place / "rgb", r"(\d+)\.(?:jpe?g|png)")
@@ -61,7 +64,7 @@ def open_record3d(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
         raise CaptureError(f"{place} holds no rgb/*.jpg: export a recording as EXR + RGB")
     frames = []
     for index, colour in colours.items():
-        stamp_ns, depth = round(index * 1e9 / rate), depths.get(index)
+        stamp_ns, depth = stamp_of(index / rate), depths.get(index)
         frames.append(
             FolderFrame(
                 stamp_ns,

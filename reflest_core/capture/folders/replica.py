@@ -17,6 +17,7 @@ import numpy as np
 
 from reflest_core.capture.folders.files import (
     FRAME_RATE,
+    UNREADABLE,
     Pinhole,
     by_number,
     camera_info,
@@ -31,6 +32,7 @@ from reflest_core.capture.refusal import CaptureError
 
 TRAJECTORY, IMAGES, CAMERA = "traj.txt", "results", "cam_params.json"
 UNITS_A_METRE = 6553.5
+MOST_UNITS = 1e6
 
 
 def open_replica(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
@@ -84,7 +86,10 @@ def _camera(folder: Path) -> dict[str, float]:
         try:
             content: dict[str, Any] = json.loads(read_text(path))["camera"]
             camera = {name: float(content[name]) for name in ("fx", "fy", "cx", "cy")}
-            return camera | {"scale": float(content.get("scale", UNITS_A_METRE)) or UNITS_A_METRE}
-        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            scale = float(content.get("scale", UNITS_A_METRE))
+            if not 1.0 <= scale <= MOST_UNITS:
+                raise ValueError(f"scale is {scale}")
+            return camera | {"scale": scale}
+        except UNREADABLE as error:
             raise CaptureError(f"{path} does not hold fx, fy, cx, cy under camera") from error
     return {}

@@ -17,6 +17,7 @@ import cv2
 import numpy as np
 
 from reflest_core.capture.folders.files import (
+    UNREADABLE,
     Pinhole,
     by_number,
     camera_info,
@@ -25,6 +26,7 @@ from reflest_core.capture.folders.files import (
     pinhole_of,
     read_matrix,
     read_text,
+    stamp_of,
 )
 from reflest_core.capture.folders.frame_folder import FolderFrame, FrameFolder
 from reflest_core.capture.messages import AnyImage
@@ -76,8 +78,8 @@ def open_stray_scanner(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
         pinhole = pinhole_of(matrix)
     depths = by_number(folder / "depth", r"(\d+)\.(?:png|npy)")
     frames = []
-    for index, (stamp, place, quaternion) in enumerate(_rows(folder / ODOMETRY)):
-        stamp_ns, depth = round(stamp * 1e9), depths.get(index)
+    for index, (stamp_ns, place, quaternion) in enumerate(_rows(folder / ODOMETRY)):
+        depth = depths.get(index)
         norm = float(np.linalg.norm(quaternion))
         pose = rigid_matrix(place, quaternion / norm) if norm > 0.0 else np.full((4, 4), np.nan)
         frames.append(
@@ -91,7 +93,7 @@ def open_stray_scanner(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
     return FrameFolder(folder, frames, camera_info(pinhole, video.size), 0.001, shares_view=True)
 
 
-def _rows(path: Path) -> Iterator[tuple[float, np.ndarray, np.ndarray]]:
+def _rows(path: Path) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
     """Yield stamp, position and quaternion xyzw of each line."""
     reader = csv.DictReader(read_text(path).splitlines(), skipinitialspace=True)
     for number, row in enumerate(reader, start=2):
@@ -99,8 +101,8 @@ def _rows(path: Path) -> Iterator[tuple[float, np.ndarray, np.ndarray]]:
             values = {name.strip(): float(value) for name, value in row.items() if name and value}
             place = np.array([values[name] for name in ("x", "y", "z")])
             quaternion = np.array([values[name] for name in ("qx", "qy", "qz", "qw")])
-            yield values["timestamp"], place, quaternion
-        except (KeyError, ValueError, TypeError, AttributeError) as error:
+            yield stamp_of(values["timestamp"]), place, quaternion
+        except UNREADABLE as error:
             raise CaptureError(
                 f"{path}, line {number}: expected timestamp, frame, x, y, z, qx, qy, qz, qw"
             ) from error

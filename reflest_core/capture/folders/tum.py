@@ -148,7 +148,7 @@ def _read_list(path: Path, columns: int) -> list[Line]:
             stamp_ns = int(Decimal(words[0]) * 10**9)
         except (InvalidOperation, ValueError, OverflowError):
             stamp_ns = -1
-        if stamp_ns < 0 or len(words) != columns:
+        if not 0 <= stamp_ns < 2**63 or len(words) != columns:
             raise CaptureError(f"{path}, line {number}: expected a stamp and {columns - 1} values")
         lines.append((stamp_ns, words[1:]))
     if not lines:

@@ -25,6 +25,8 @@ READERS_BY_SUFFIX: dict[str, Callable[[Path], BagFile]] = {".mcap": McapFile, ".
 
 
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
+LONGEST_METADATA = 2**24
+UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)
 LARGEST_MESSAGE = 2**28  # bytes unpacked; what is longer is cut off there, and refused
 
 
@@ -144,11 +146,12 @@ class Bag:
     def _listed(self, folder: Path) -> list[Path]:
         """Return the directory's files in recorded order, by metadata.yaml or by their names."""
         try:
-            metadata = yaml.safe_load((folder / "metadata.yaml").read_text())
+            with (folder / "metadata.yaml").open(encoding="utf-8-sig") as stream:
+                metadata = yaml.safe_load(stream.read(LONGEST_METADATA))
             information = metadata["rosbag2_bagfile_information"]
             names = [Path(name).name for name in information["relative_file_paths"]]
             mode = str(information.get("compression_mode", "")).lower()
-        except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError, AttributeError):
+        except (OSError, yaml.YAMLError, *UNREADABLE):
             self._notes.append(f"{folder}/metadata.yaml is missing or damaged, files go by name")
             names, mode = sorted((path.name for path in folder.iterdir()), key=_by_number), ""
         if mode == "file" or any(name.endswith(".zstd") for name in names):

@@ -179,6 +179,18 @@ def test_a_recorder_that_died_leaves_a_bag_without_metadata(tmp_path):
     assert "metadata.yaml is missing or damaged" in capture.damage
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["a: 2020-99-99", "[" * 20000, "a: &a [*a, *a]", "\xff", "rosbag2_bagfile_information: 5"],
+)
+def test_metadata_of_any_kind_are_passed_over(tmp_path, text):
+    write_bag(tmp_path / "bag", recording(2))
+    (tmp_path / "bag/metadata.yaml").write_text(text)
+    capture = open_capture(tmp_path / "bag")
+    assert len(list(capture)) == 2
+    assert "metadata.yaml is missing or damaged" in capture.damage
+
+
 def test_split_bags_are_read_in_number_order(tmp_path):
     """Files 2 and 10 of one recording: by name alone, 10 would come first."""
     messages = recording(8)

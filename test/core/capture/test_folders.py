@@ -4,6 +4,7 @@
 
 import json
 import os
+import re
 from pathlib import Path
 
 import cv2
@@ -257,3 +258,33 @@ def test_real_captures_are_read_whole(name, least):
     assert all(0.2 < np.median(frame.depth[frame.depth > 0]) < 5.0 for frame in frames)
     if name != "redkitchen":
         assert all((frame.depth > 0).mean() > 0.35 for frame in frames), "gaps are filled"
+
+
+NUMBER = re.compile(rb"-?\d+\.?\d*(?:e[+-]?\d+)?")
+ODD = (b"nan", b"inf", b"-1e400", b"-1", b"0", b"9" * 30, b"1e308", b"x", b"", b"null", b"[]")
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_no_odd_number_in_a_text_file_ends_in_a_traceback(tmp_path, kind):
+    WRITERS[kind](tmp_path / "folder", 2)
+    noise = np.random.default_rng(5)
+    texts = [
+        path
+        for path in sorted((tmp_path / "folder").rglob("*"))
+        if path.suffix in (".txt", ".csv", ".json", ".freiburg")
+    ]
+    for path in texts:
+        whole = path.read_bytes()
+        numbers = list(NUMBER.finditer(whole))
+        damaged = [b"[" * 30000]
+        for _ in range(25):
+            match = numbers[int(noise.integers(len(numbers)))]
+            odd = ODD[int(noise.integers(len(ODD)))]
+            damaged.append(whole[: match.start()] + odd + whole[match.end() :])
+        for content in damaged:
+            path.write_bytes(content)
+            try:
+                assert len(list(open_capture(tmp_path / "folder"))) <= 2
+            except CaptureError as error:
+                assert "\n" not in str(error)
+        path.write_bytes(whole)
