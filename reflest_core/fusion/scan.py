@@ -276,7 +276,7 @@ class Scan:
         Returns:
             The surface with its light, for use from any thread.
         """
-        surface = observed_surface(self.store, self.views, self.fusion.threads, most_voxels)
+        surface = observed_surface(self.store, self.views, self.fusion, most_voxels)
         return dataclasses.replace(surface, light=self.light.observed())
 
     def save(self, path: Path | str) -> None:

@@ -63,6 +63,14 @@ class FusionSettings:
         maximum=89.0,
     )
 
+    normal_smoothing: float = parameter(
+        0.0,
+        "Normals are averaged over neighbouring voxels whose normals differ by about this angle or"
+        " less; 0: not.",
+        unit="degrees",
+        minimum=0.0,
+        maximum=60.0,
+    )
     depth_edge_margin: int = parameter(
         2,
         "Pixels this close to a depth edge give no colour and no surface.",

@@ -4,20 +4,32 @@
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.fusion.normal_smoothing import smoothed_normals
 from reflest_core.fusion.observations.observation_store import ObservationStore
 from reflest_core.fusion.observations.views import ViewTable
+from reflest_core.fusion.settings import FusionSettings
+from reflest_core.fusion.work_sharing import share_out
 from reflest_core.light.exposure_correction import at_one_exposure, means_at_one_exposure
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.thinning import thinned
+
+LEAST_SHARE = 1024
+"""Fewer normals than this are not worth waking another thread."""
 
 MOST_VOXELS = 10_000
 """A larger store is thinned, so that neither the copy nor an estimate from it costs more."""
 
 
 def observed_surface(
-    store: ObservationStore, views: ViewTable, threads: int = 1, most_voxels: int = MOST_VOXELS
+    store: ObservationStore,
+    views: ViewTable,
+    settings: FusionSettings,
+    most_voxels: int = MOST_VOXELS,
 ) -> ObservedSurface:
     """Copy the observed voxels of a store, their observations and their views.
 
@@ -26,7 +38,7 @@ def observed_surface(
     Args:
         store: Voxels and their observations.
         views: The views that the observations belong to; view indices are view ids.
-        threads: Threads that share the work.
+        settings: Voxel size, smoothing of normals and threads.
         most_voxels: A larger store is thinned evenly to so many voxels.
 
     Returns:
@@ -36,11 +48,11 @@ def observed_surface(
     selected = thinned(rows.counts[: store.count], most_voxels)
     offsets = np.zeros(len(selected) + 1, np.int64)
     np.cumsum(rows.counts[selected], out=offsets[1:], dtype=np.int64)
-    colours, view_ids = store.observations(selected, threads)
+    colours, view_ids = store.observations(selected, settings.threads)
     gains = views.gains[: views.count]
     return ObservedSurface(
         positions=rows.positions[selected],
-        normals=rows.normals[selected],
+        normals=_normals(store, selected, settings),
         offsets=offsets,
         colours=at_one_exposure(colours, gains, view_ids),
         view_indices=view_ids,
@@ -49,3 +61,22 @@ def observed_surface(
         view_background=means_at_one_exposure(views.background[: views.count], gains),
         keys=rows.keys[selected],
     )
+
+
+def _normals(
+    store: ObservationStore, selected: NDArray[np.int64], settings: FusionSettings
+) -> NDArray[np.float32]:
+    normals: NDArray[np.float32] = store.rows.normals[selected]
+    if settings.normal_smoothing > 0.0:
+        share_out(
+            settings.threads,
+            len(selected),
+            LEAST_SHARE,
+            smoothed_normals,
+            store.rows,
+            selected,
+            settings.voxel_size,
+            math.radians(settings.normal_smoothing),
+            normals,
+        )
+    return normals

@@ -31,7 +31,9 @@ def warm_up() -> None:
         intrinsics=camera,
     )
     region = RegionSettings("box", (0.0, 0.0, 1.0), (1.0, 1.0, 1.0))
-    settings = FusionSettings(voxel_size=0.02, memory_budget_mb=BUDGET_MB, frames_per_view=1)
+    settings = FusionSettings(
+        voxel_size=0.02, memory_budget_mb=BUDGET_MB, frames_per_view=1, normal_smoothing=25.0
+    )
     scan = Scan(settings, region)
     scan.region.contains(np.zeros((1, 3)))
     for stamp_ns in (1, 2, 3):  # the second adds to the first's view, the third may be redundant

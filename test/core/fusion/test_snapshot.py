@@ -5,8 +5,11 @@ import numpy as np
 from reflest_core.fusion import snapshot
 from reflest_core.fusion.observations.observation_store import ObservationStore
 from reflest_core.fusion.observations.views import ViewTable
+from reflest_core.fusion.settings import FusionSettings
 from reflest_core.surface.selection import keep_voxels
 from reflest_core.surface.upright import upright
+
+SETTINGS = FusionSettings()
 
 
 def filled(voxels):
@@ -25,7 +28,7 @@ def filled(voxels):
 
 
 def test_groups_observations_by_voxel():
-    surface = snapshot.observed_surface(*filled(3))
+    surface = snapshot.observed_surface(*filled(3), SETTINGS)
     assert surface.offsets.tolist() == [0, 2, 3, 5]
     assert surface.view_indices.tolist() == [0, 1, 0, 0, 1]
     assert surface.colours[:, 0].tolist() == [0, 9, 0, 0, 9]
@@ -38,13 +41,13 @@ def test_groups_observations_by_voxel():
 def test_leaves_voxels_without_observations_out():
     store, views = filled(4)
     store.drop_views(np.array([0]))
-    surface = snapshot.observed_surface(store, views)
+    surface = snapshot.observed_surface(store, views, SETTINGS)
     assert surface.positions[:, 0].tolist() == [1, 3]
     assert surface.offsets.tolist() == [0, 1, 2]
 
 
 def test_large_store_is_thinned_evenly():
-    surface = snapshot.observed_surface(*filled(1000), most_voxels=50)
+    surface = snapshot.observed_surface(*filled(1000), SETTINGS, most_voxels=50)
     assert surface.voxel_count == 50
     steps = np.diff(surface.positions[:, 0])
     assert steps.min() >= 20
@@ -52,7 +55,7 @@ def test_large_store_is_thinned_evenly():
 
 
 def test_every_voxel_keeps_its_key():
-    surface = snapshot.observed_surface(*filled(1000), most_voxels=50)
+    surface = snapshot.observed_surface(*filled(1000), SETTINGS, most_voxels=50)
     assert surface.keys.tolist() == surface.positions[:, 0].tolist()
     turned = upright(surface, (0.0, 1.0, 0.0))
     assert turned.keys.tolist() == surface.keys.tolist()
@@ -61,7 +64,7 @@ def test_every_voxel_keeps_its_key():
 
 
 def test_empty_store():
-    surface = snapshot.observed_surface(ObservationStore(4, 4, 5), ViewTable(4))
+    surface = snapshot.observed_surface(ObservationStore(4, 4, 5), ViewTable(4), SETTINGS)
     assert surface.voxel_count == 0
     assert surface.offsets.tolist() == [0]
     assert surface.view_centres.shape == (0, 3)
