@@ -1,15 +1,19 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Starts the estimator, and what is asked for beside it.
+"""Starts the estimator, and a bag and RViz beside it on request.
 
 ``ros2 launch reflest_ros estimator.launch.py camera:=realsense [namespace:=robot1] [rviz:=true]
-[bag:=FOLDER] [config:=FILE]``. Needs launch_ros, which an apt installation of ROS 2 brings; bag:=
-needs ros2bag and rviz:= needs rviz2 as well.
+[bag:=FOLDER] [config:=FILE]``; ``--show-args`` lists all arguments. Needs launch_ros, which an apt
+installation of ROS 2 has; bag:= needs ros2bag and rviz:= needs rviz2 as well.
 """
 
 from pathlib import Path
 
-from ament_index_python.packages import get_package_share_directory
+from ament_index_python.packages import (
+    PackageNotFoundError,
+    get_package_prefix,
+    get_package_share_directory,
+)
 from launch import Action, LaunchContext, LaunchDescription
 from launch.actions import (
     DeclareLaunchArgument,
@@ -33,7 +37,7 @@ RVIZ_TOPICS = (
     "/camera/color/image_raw",
     "/camera/pose",
 )
-"""Named in config/reflest.rviz; RViz looks for them in its namespace."""
+"""Named in config/reflest.rviz; RViz resolves them in its namespace."""
 ARGUMENTS = (
     ("camera", "none", "Camera whose topics, units and frames to expect.", CAMERAS),
     ("config", "", "Your own parameter file; its values win over the camera's.", None),
@@ -42,11 +46,23 @@ ARGUMENTS = (
     ("rate", "1.0", "Speed at which the bag is played, times the recorded one.", None),
     ("rviz", "false", "Whether to open RViz on the topics.", ("true", "false")),
     ("use_sim_time", "false", "Whether time comes from /clock.", ("true", "false")),
+    ("autostart", "true", "Whether the node configures and activates itself.", ("true", "false")),
+    ("log_level", "info", "Of the node.", ("debug", "info", "warn", "error", "fatal")),
+    ("tf", "/tf", "Topic of the transforms; a robot's own in a namespace: tf.", None),
+    ("tf_static", "/tf_static", "Topic of the static transforms.", None),
 )
 
 
+class LaunchError(RuntimeError):
+    """Something that was asked for cannot be started; nothing is."""
+
+
 def generate_launch_description() -> LaunchDescription:
-    """The arguments, the shared-memory profile of Fast DDS, and the nodes."""
+    """Declare arguments, the shared-memory profile of Fast DDS, and the nodes.
+
+    Returns:
+        What ``ros2 launch`` runs.
+    """
     return LaunchDescription(
         [
             *(
@@ -67,9 +83,20 @@ def generate_launch_description() -> LaunchDescription:
 
 
 def nodes(context: LaunchContext) -> list[Action]:
-    """The estimator, and the bag and RViz where they are asked for."""
+    """Make the nodes that the arguments ask for.
+
+    Args:
+        context: Holds the values of the arguments.
+
+    Returns:
+        The estimator, and the bag and RViz where they are asked for.
+    """
     given = {name: LaunchConfiguration(name).perform(context) for name, *_ in ARGUMENTS}
     uses_sim_time = given["use_sim_time"] == "true"
+    if given["rviz"] == "true":
+        _require("rviz2", "rviz:=true")
+    if given["bag"]:
+        _require("ros2bag", "bag:=")
     estimator = LifecycleNode(
         package="reflest_ros",
         executable="estimator",
@@ -77,13 +104,23 @@ def nodes(context: LaunchContext) -> list[Action]:
         namespace=given["namespace"],
         parameters=[
             *parameter_files(given["camera"], given["config"]),
-            {"use_sim_time": uses_sim_time},
+            {
+                "use_sim_time": uses_sim_time,
+                "lifecycle.autostart": given["autostart"] == "true",
+            },
         ],
+        remappings=[("/tf", given["tf"]), ("/tf_static", given["tf_static"])],
+        arguments=["--ros-args", "--log-level", f"reflest_estimator:={given['log_level']}"],
         output="screen",
     )
     wanted: list[Action] = [estimator]
     if given["bag"]:
         play = ["ros2", "bag", "play", given["bag"], "--rate", given["rate"]]
+        if given["namespace"]:
+            # It needs rclpy and the readers of bags: only where it is asked for.
+            from reflest_ros.bag_player import namespace_remaps
+
+            play += ["--remap", *namespace_remaps(Path(given["bag"]), given["namespace"])]
         player = ExecuteProcess(cmd=play + ["--clock"] * uses_sim_time, output="screen")
         # Not before the estimator listens, or it would miss the beginning.
         listening = OnStateTransition(
@@ -108,8 +145,27 @@ def nodes(context: LaunchContext) -> list[Action]:
 
 
 def parameter_files(camera: str, config: str) -> list[str]:
-    """Defaults first, then the camera's, then the user's."""
+    """List the parameter files; later ones win.
+
+    Args:
+        camera: Name of a camera, or none.
+        config: The user's own file, or empty.
+
+    Returns:
+        Defaults, the camera's, the user's.
+    """
     files = [str(CONFIG / "estimator.yaml")]
     if camera != "none":
         files.append(str(CONFIG / f"{camera}.yaml"))
     return [*files, config] if config else files
+
+
+def _require(package: str, argument: str) -> None:
+    """Raise :class:`LaunchError` before anything runs where a package is not installed."""
+    try:
+        get_package_prefix(package)
+    except PackageNotFoundError:
+        raise LaunchError(
+            f"{argument} needs the package {package}, which is not installed: install "
+            f"ros-$ROS_DISTRO-{package.replace('_', '-')} or leave the argument out"
+        ) from None

@@ -31,6 +31,9 @@ from reflest_ros.process import ignore_signals, ros_process
 WRITER_DEPTH = 400
 """Messages that a writer keeps for readers which have not acknowledged them."""
 
+FIXED_TOPICS = ("/tf", "/tf_static", "/clock", "/rosout", "/parameter_events")
+"""Topics that have the same name in every namespace."""
+
 
 class BagPlayer(Node):
     """Publishes the messages of bag files on their topics."""
@@ -142,6 +145,25 @@ def open_bag_files(path: Path) -> list[BagFile]:
     if not files:
         raise CaptureError(f"{path} is no bag: expected an .mcap or .db3 file, or their directory")
     return files
+
+
+def namespace_remaps(bag: Path, namespace: str) -> list[str]:
+    """Move a bag's topics into the namespace of the node that listens to them.
+
+    Args:
+        bag: A rosbag2 folder or file.
+        namespace: Of the node, with or without a leading slash.
+
+    Returns:
+        One ``from:=to`` for each topic, for ``ros2 bag play --remap``.
+
+    Raises:
+        CaptureError: The bag cannot be read.
+    """
+    prefix = namespace.strip("/")
+    names = {topic.name for file in open_bag_files(bag) for topic in file.topics}
+    moved = sorted(names - set(FIXED_TOPICS)) if prefix else []
+    return [f"{name}:=/{prefix}{name}" for name in moved]
 
 
 def parse_arguments(arguments: list[str]) -> argparse.Namespace:

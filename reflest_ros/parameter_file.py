@@ -23,7 +23,11 @@ HEADER = """\
 
 
 def parameter_file() -> str:
-    """The text of the base parameter file."""
+    """Write the base parameter file.
+
+    Returns:
+        Its text.
+    """
     lines = [HEADER.rstrip("\n")]
     group = ""
     for parameter in all_parameters():

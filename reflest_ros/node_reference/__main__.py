@@ -12,7 +12,11 @@ from reflest_ros.node_reference.page import page
 
 
 def main() -> int:
-    """Print the page; 2 with one sentence where something is not described."""
+    """Print the page.
+
+    Returns:
+        0, or 2 with one sentence where something is not described.
+    """
     try:
         print(page(observe_node()), end="")
     except ReflestError as error:

@@ -53,7 +53,11 @@ class InputRow:
 
 
 def input_rows() -> list[InputRow]:
-    """Every input, in the order of ``topics``; those of tf come last."""
+    """Describe every input.
+
+    Returns:
+        One row each, in the order of ``topics``; those of tf come last.
+    """
     context = Context()
     rclpy.init(context=context)
     node = rclpy.create_node("reflest_input_table", context=context)

@@ -78,7 +78,8 @@ def page(facts: NodeFacts) -> str:
 def _lifecycle() -> str:
     rows = []
     for name in ("configure", "activate", "deactivate", "cleanup", "shutdown"):
-        rows.append((f"`{name}`", getattr(EstimatorNode, f"on_{name}").__doc__))
+        sentence = (getattr(EstimatorNode, f"on_{name}").__doc__ or "").split("\n")[0]
+        rows.append((f"`{name}`", sentence))
     heading = (
         "## Lifecycle\n\n`ros2 run` configures and activates it, see `lifecycle.autostart`.\n\n"
     )

@@ -105,6 +105,11 @@ class RosPeer:
         """Whether anyone subscribes to a topic that was published before."""
         return self._outputs[topic].get_subscription_count() > 0
 
+    def has_subscriber(self, topic: str) -> bool:
+        """Whether anyone subscribes to a topic, once it has been discovered."""
+        self.wait_until(lambda: self._node.count_subscribers(topic) > 0, f"nobody hears {topic}")
+        return True
+
     def has_service(self, name: str) -> bool:
         """Whether the node offers a service now."""
         known = dict(self._node.get_service_names_and_types())

@@ -5,15 +5,21 @@
 from __future__ import annotations
 
 import ast
+import os
+import signal
+import subprocess
 
 import pytest
 import rclpy
 import yaml
+from conftest import COMPILE_TIME
 from own_process import ROOT
 from rclpy.context import Context
 from rclpy.node import Node
+from sphere_messages import RGB
 
 from reflest_core.estimation.settings import ReflestSettings
+from reflest_ros.bag_player import namespace_remaps
 from reflest_ros.parameters import declare_parameters
 from reflest_ros.settings import NODE_NAME
 
@@ -59,6 +65,48 @@ def test_replay_reads_the_same_file(camera):
     assert settings.capture.world_frame == leaves(path)["capture.world_frame"]
 
 
+@pytest.mark.parametrize("camera", CAMERAS)
+def test_the_node_listens_to_the_topics_of_its_camera(camera, start, peer, tmp_path):
+    """Started with the files in the order of the launch file; poses come from a topic here."""
+    own = tmp_path / "own.yaml"
+    own.write_text("/**: {ros__parameters: {capture: {pose_source: pose}}}")
+    files = [*(ROOT / "config" / f"{name}.yaml" for name in ("estimator", camera)), own]
+    given = [word for path in files for word in ("--params-file", path)]
+    node = start("reflest_ros.estimator", "--ros-args", *given)
+    line = node.wait_for_line("listening to", COMPILE_TIME)
+    values = leaves(files[1])
+    for role in ("rgb", "depth", "camera_info"):
+        assert f"/{values[f'topics.{role}']}" in line
+        assert peer.has_subscriber(f"/{values[f'topics.{role}']}")
+    node.interrupt()
+    assert node.exit_code() == 0, node.output
+
+
+def test_a_bag_is_moved_into_the_namespace_of_its_node(sphere_bag):
+    remaps = dict(one.split(":=") for one in namespace_remaps(sphere_bag, "robot1"))
+    assert remaps[RGB] == f"/robot1{RGB}"
+    assert not {"/tf", "/tf_static", "/clock"} & set(remaps)
+    assert namespace_remaps(sphere_bag, "") == namespace_remaps(sphere_bag, "/") == []
+
+
+def test_the_launch_file_launches_the_node(domain_id, tmp_path):
+    """Where launch_ros is installed: it comes up, and ends with the launch."""
+    launch = pytest.importorskip("launch_ros", reason="launch_ros comes with an apt installation")
+    assert launch
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain_id)}
+    command = ["ros2", "launch", str(LAUNCH), "camera:=tum", "log_level:=info"]
+    with subprocess.Popen(
+        command, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    ) as running:
+        seen = []
+        for text in running.stdout:
+            seen.append(text)
+            if "listening to" in text or "pose_source is tf" in text:
+                break
+        running.send_signal(signal.SIGINT)
+    assert any("reflest_estimator" in text for text in seen), seen
+
+
 def constants(tree):
     return [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
 
@@ -80,7 +128,8 @@ def test_the_launch_file_names_what_is_there():
     assert "scripts/estimator" in (ROOT / "CMakeLists.txt").read_text()
     # Nothing absolute but the topics that RViz's own file names, which are moved.
     rviz = (ROOT / "config" / "reflest.rviz").read_text()
-    assert not [text for text in strings if text.startswith("/") and text not in rviz]
+    absolute = [text for text in strings if text.startswith("/") and text not in rviz]
+    assert set(absolute) == {"/tf", "/tf_static"}
 
 
 def test_the_launch_file_launches_the_node_by_its_name():

@@ -5,10 +5,13 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 import tomllib
 import xml.etree.ElementTree as ElementTree
 
 import pytest
+import yaml
 from own_process import ROOT
 
 import reflest_core
@@ -24,7 +27,7 @@ def test_every_requirement_is_pinned(path):
     lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
     assert lines
     for line in lines:
-        assert re.fullmatch(r"[A-Za-z0-9-]+(\[[a-z]+\])?==[0-9][0-9A-Za-z.]*", line), line
+        assert re.fullmatch(r"[A-Za-z0-9_-]+(\[[a-z]+\])?==[0-9][0-9A-Za-z.]*", line), line
 
 
 def test_versions_and_licences_agree():
@@ -48,3 +51,46 @@ def test_the_core_never_imports_ros():
         assert not re.search(
             r"^\s*(import|from) (rclpy|reflest_ros|\w+_msgs)", path.read_text(), re.M
         )
+
+
+def test_every_python_library_is_a_key_that_rosdep_can_find():
+    """Each requirement of the core is in package.xml; those without a common key in rosdep.yaml."""
+    manifest = ElementTree.parse(ROOT / "package.xml").getroot()
+    declared = {one.text for one in manifest.iter("exec_depend")}
+    shipped = yaml.safe_load((ROOT / "rosdep.yaml").read_text())
+    packages = {
+        package: key
+        for key, rule in shipped.items()
+        for package in rule["debian"]["pip"]["packages"]
+    }
+    common = {"opencv-python-headless": "python3-opencv", "pyyaml": "python3-yaml"}
+    for line in (ROOT / "reflest_core" / "requirements.txt").read_text().splitlines():
+        if line and not line.startswith("#"):
+            name = line.split("==")[0]
+            assert packages.get(name, common.get(name, f"python3-{name}")) in declared, name
+    assert set(packages.values()) <= declared
+
+
+def test_every_ros_package_that_is_imported_is_declared():
+    manifest = ElementTree.parse(ROOT / "package.xml").getroot()
+    declared = {one.text for one in manifest.iter() if one.tag in ("depend", "exec_depend")}
+    pattern = re.compile(
+        r"^\s*(?:from|import) (\w+(?:_msgs|_interfaces|_ros|_python)|rclpy)\b", re.M
+    )
+    sources = [*(ROOT / "reflest_ros").rglob("*.py"), *(ROOT / "launch").glob("*.py")]
+    imported = {name for path in sources for name in pattern.findall(path.read_text())}
+    assert imported - {"reflest_ros"} <= declared
+
+
+def test_a_script_without_its_libraries_says_so_in_one_sentence(tmp_path):
+    for name in ("estimator", "bag_player", "reflest"):
+        done = subprocess.run(
+            [sys.executable, "-I", "-S", ROOT / "scripts" / name],
+            cwd=tmp_path,
+            env={},
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 1
+        assert len(done.stderr.splitlines()) == 1, done.stderr
+        assert "is not installed" in done.stderr
