@@ -91,7 +91,7 @@ def _peers(
     """The network as the module that was trained, run by PyTorch on the same features."""
     network, choice = network_of_model(model), models()[model]
     assert choice.weights is not None, "only shipped models are measured"
-    tensors = load_weights(choice.weights)[0]
+    tensors = network.completed(load_weights(choice.weights)[0])
     module = network.module()
     module.load_state_dict({name: torch.from_numpy(values) for name, values in tensors.items()})
     module.eval()

@@ -25,6 +25,7 @@ CHANGES = (
     "precision",
     "parts",
     "seed",
+    "only",
 )
 """The fields of a recipe that options of the same name change."""
 
@@ -54,6 +55,11 @@ def add_recipe_options(parser: argparse.ArgumentParser) -> None:
         "--candidates", type=int, help="random voxels of a scene from which those are chosen"
     )
     parser.add_argument("--seed", type=int)
+    parser.add_argument(
+        "--only",
+        metavar="PREFIX",
+        help="train only tensors whose names begin so, and keep the others as --from has them",
+    )
 
 
 def changed_recipe(base: Recipe, arguments: argparse.Namespace, parts: int) -> Recipe:

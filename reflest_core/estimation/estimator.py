@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 from typing import Any
@@ -73,7 +74,7 @@ class Estimator:
             return self._published(surface, self.predictor.predict(surface), None, header)
         with one_blas_thread():
             light = infer_light(surface, seen_light(surface))
-            prediction = self.predictor.predict(surface, explain_material(light, WHOLE))
+            found = explain_material(light, WHOLE)
         gloss = gloss_posterior(
             surface,
             light.filled,
@@ -81,6 +82,8 @@ class Estimator:
             most=self.settings.gloss_voxels,
             least_gain=self.settings.gloss_information,
         )
+        found = dataclasses.replace(found, posterior=gloss)
+        prediction = self.predictor.predict(surface, found)
         return self._published(surface, prediction, gloss, header)
 
     def materials(
@@ -175,8 +178,11 @@ class Estimator:
                 estimate = self._published(part, prediction, None, header)
                 rho_d[voxels], stddev[voxels] = estimate.rho_d, estimate.rho_d_stddev
             else:
-                prediction = self.predictor.predict(part, explain_material(light, material_id))
-                found = scene.of_material(material_id, voxels, prediction)
+                gloss = scene.posterior(voxels)
+                explained = explain_material(light, material_id)
+                explained = dataclasses.replace(explained, posterior=gloss)
+                prediction = self.predictor.predict(part, explained)
+                found = scene.of_material(material_id, voxels, prediction, gloss)
                 estimate = self._published(part, prediction, found, header)
                 rho_d[voxels], stddev[voxels] = found.rho_d, found.rho_d_stddev
                 error = found.photometric_error
@@ -214,7 +220,7 @@ class Estimator:
         ward, stddev = physical_ward(prediction.ward), prediction.stddev
         if isinstance(gloss, SceneEstimate):
             ward, stddev, gloss = gloss.ward, gloss.stddev, gloss.gloss
-        elif gloss is not None and stddev is not None:
+        elif gloss is not None and stddev is not None and not prediction.has_posterior:
             ward, stddev = with_posterior(ward, stddev, gloss)
         red, green, blue, rho_s, alpha = ward.tolist()
         lightness, a, b, c, d = ward_to_labcd(ward).tolist()

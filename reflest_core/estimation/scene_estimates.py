@@ -76,8 +76,29 @@ class SceneEstimates:
         self._sight = sight or _sight(surface, light)
         self._irradiance = surface_irradiance(light.completed, self._sight)[:, :3]
 
+    def posterior(self, voxels: NDArray[np.int64]) -> GlossPosterior:
+        """Compare roughnesses by a material's observations.
+
+        Args:
+            voxels: (N,) the material's voxels' indices, N >= 1.
+        """
+        joint = self._light.joint
+        segments = [voxels] if joint is None else joint.segments_of(voxels)
+        return gloss_posterior(
+            self._surface,
+            self._light.filled,
+            segments,
+            self._rated,
+            most=self._gloss_voxels,
+            least_gain=self._information,
+        )
+
     def of_material(
-        self, material_id: int, voxels: NDArray[np.int64], prediction: Prediction
+        self,
+        material_id: int,
+        voxels: NDArray[np.int64],
+        prediction: Prediction,
+        gloss: GlossPosterior,
     ) -> SceneEstimate:
         """Estimate a material and its voxels.
 
@@ -89,19 +110,11 @@ class SceneEstimates:
             material_id: the material, of which the light has evidence.
             voxels: (N,) its voxels' indices, N >= 1.
             prediction: the network's.
+            gloss: the material's posterior of roughness.
         """
         light, joint = self._light, self._light.joint
-        segments = [voxels] if joint is None else joint.segments_of(voxels)
-        gloss = gloss_posterior(
-            self._surface,
-            light.filled,
-            segments,
-            self._rated,
-            most=self._gloss_voxels,
-            least_gain=self._information,
-        )
         ward, stddev = physical_ward(prediction.ward), prediction.stddev
-        if stddev is not None:
+        if stddev is not None and not prediction.has_posterior:
             ward, stddev = with_posterior(ward, stddev, gloss)
         _, inferred, _ = light.inferred[material_id]
         if joint is None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.inference.evidence import MaterialEvidence
+from reflest_core.inference.gloss.posterior import GlossPosterior
 from reflest_core.inference.gloss_fit import SURE, GlossFit
 from reflest_core.inference.light import Inferences, SceneLight, infer_light
 from reflest_core.inference.material_fit import MaterialFit, fit_material
@@ -53,6 +54,7 @@ class Explanation:
             :meth:`~.joint_light.JointLight.patch_deviation`; None of a scene's only material.
         joint_albedo: (3,) float32 ``rho_d`` by the light of all materials; None likewise.
         joint_log_deviation: (3,) float32, standard deviation of its logarithm; None likewise.
+        posterior: of the material's roughness; None where it was not asked for.
     """
 
     surface: ObservedSurface
@@ -71,6 +73,7 @@ class Explanation:
     light_deviation: NDArray[np.float32] | None = None
     joint_albedo: NDArray[np.float32] | None = None
     joint_log_deviation: NDArray[np.float32] | None = None
+    posterior: GlossPosterior | None = None
 
     @property
     def albedos(self) -> NDArray[np.float32]:

@@ -153,6 +153,14 @@ class NetworkDefinition(ABC):
         """Shape of every tensor of the module, by name; weight files are checked against it."""
         return {name: tuple(tensor.shape) for name, tensor in self.module().state_dict().items()}
 
+    def completed(self, tensors: Tensors) -> Tensors:
+        """Return weights of an earlier version's file with the tensors that were added since.
+
+        Args:
+            tensors: The file's tensors by name.
+        """
+        return tensors
+
     def live(self, tensors: Tensors, threads: int) -> LiveNetwork:
         """Make the form that estimates while scanning; by default the module on the CPU.
 

@@ -35,12 +35,15 @@ class Prediction:
         stddev: (5,) float64, one standard deviation of each Ward parameter; None where the network
             states none.
         light: How much was known of the light; None where the network does not use it.
+        has_posterior: Whether the network was trained to use the posterior of roughness, so that it
+            must not be joined with it again.
     """
 
     ward: NDArray[np.float64]
     voxels: NDArray[np.int64]
     stddev: NDArray[np.float64] | None = None
     light: LightKnowledge | None = None
+    has_posterior: bool = False
 
 
 class Predictor:
@@ -81,6 +84,7 @@ class Predictor:
                 f"{path} holds a {self.card.network} network; set the model to one that uses it, "
                 f"not {model}"
             )
+        tensors = definition.completed(tensors)
         check_fits(tensors, definition.shapes(), path)
         self.network: LiveNetwork
         if device == "cpu":
@@ -108,7 +112,8 @@ class Predictor:
         light = None
         if self.sees_light:
             light = light_knowledge(surface.light, surface.normals[voxels])
-        return Prediction(ward, voxels, self._deviations(scores, light), light)
+        has_posterior = bool(self.card.recipe.get("gloss_posterior", False))
+        return Prediction(ward, voxels, self._deviations(scores, light), light, has_posterior)
 
     def _deviations(
         self, scores: Scores, light: LightKnowledge | None

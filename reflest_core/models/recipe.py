@@ -64,6 +64,7 @@ class Recipe:
             calibrated on them.
         largest_gradient: Longer gradients are shortened to it; 0 leaves them.
         start: The weights that training begins from, by name and hash.
+        only: Train only tensors whose names begin so; empty trains all.
         augmentation: How scenes are varied.
     """
 
@@ -89,6 +90,7 @@ class Recipe:
     hold_out: tuple[str, ...] = ()
     largest_gradient: float = 0.0
     start: str = ""
+    only: str = ""
     augmentation: Augmentation = field(default_factory=Augmentation)
 
     @property

@@ -10,6 +10,7 @@ from pathlib import Path
 import torch
 
 from reflest_core.models.recipe import Recipe
+from reflest_core.models.registry import network_named
 from reflest_core.models.weights import Tensors, check_fits, load_weights
 from reflest_core.training.data.sample import TrainingError
 
@@ -53,14 +54,17 @@ class StartingWeights:
     def put_into(self, module: torch.nn.Module, recipe: Recipe) -> None:
         """Copy the weights into a module.
 
-        The last layer keeps its own weights where the recipe's outputs mean something else.
+        The last layer keeps its own weights where the recipe's outputs mean something else, and so
+        do tensors that the file's version of the network did not have.
 
         Args:
             module: The network.
             recipe: Of the training that begins with them.
         """
         own = module.state_dict()
-        check_fits(self.tensors, {n: tuple(t.shape) for n, t in own.items()}, Path(self.name))
+        completed = network_named(recipe.network).completed(self.tensors)
+        check_fits(completed, {n: tuple(t.shape) for n, t in own.items()}, Path(self.name))
         kept = list(own) if self.parameters == recipe.parameters else list(own)[:-LAST_LAYER]
         for name in kept:
-            own[name].copy_(torch.from_numpy(self.tensors[name]))
+            if name in self.tensors:
+                own[name].copy_(torch.from_numpy(self.tensors[name]))

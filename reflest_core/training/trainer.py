@@ -49,6 +49,7 @@ class Trainer(Generic[B]):
         self.module = task.make()
         if start is not None:
             start.put_into(self.module, self.recipe)
+        _freeze_others(self.module, self.recipe.only)
         self.optimiser = self.recipe.make_optimiser(self.module)
         if processes.is_first:
             self.log = TrainingLog(folder.path, folder.tensorboard)
@@ -136,3 +137,12 @@ class Trainer(Generic[B]):
         learning_rate = self.recipe.learning_rate_at(state.minibatch - 1)
         self.log.write(Entry(state.minibatch, loss, rmse, learning_rate, rate))
         save_checkpoint(self.folder.path / "checkpoint.pt", state, self.recipe)
+
+
+def _freeze_others(module: torch.nn.Module, prefix: str) -> None:
+    """Keep all tensors whose names do not begin with ``prefix``, running means included."""
+    for name, part in module.named_modules():
+        if name and not name.startswith(prefix):
+            part.eval()
+    for name, weight in module.named_parameters():
+        weight.requires_grad_(name.startswith(prefix))

@@ -89,6 +89,19 @@ class LightNetDefinition(NetworkDefinition):
 
         return SHAPES
 
+    def completed(self, tensors: Tensors) -> Tensors:
+        """Return the weights with an update that changes nothing, where the file has none.
+
+        Args:
+            tensors: The file's tensors by name.
+        """
+        from reflest_core.models.lightnet.shapes import ADDED, SHAPES
+
+        if any(name.startswith(ADDED) for name in tensors):
+            return tensors
+        added = {name: shape for name, shape in SHAPES.items() if name.startswith(ADDED)}
+        return tensors | {name: np.zeros(shape, np.float32) for name, shape in added.items()}
+
     def live(self, tensors: Tensors, threads: int) -> LiveLightNet:
         """Make the NumPy form, which runs on one thread.
 

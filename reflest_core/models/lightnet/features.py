@@ -15,11 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.inference.gloss.posterior import gloss_posterior
 from reflest_core.inference.light import seen_light
 from reflest_core.inference.material import Explanation, explain
 from reflest_core.inference.transport.irradiance import DARKEST, incoming, weighted_radiance
 from reflest_core.inference.transport.ward_lobe import lobe_radiance
 from reflest_core.light.cosine_weights import cosine_weights
+from reflest_core.models.lightnet.gloss_evidence import gloss_answers, gloss_evidence
 from reflest_core.models.lightnet.light_zones import light_zones
 from reflest_core.models.lightnet.lobe_fit import fit_lobes
 from reflest_core.models.lightnet.scene_statistics import scene_statistics
@@ -50,6 +52,8 @@ class LightFeatures:
         statistics: (S,), see :class:`SceneStatistics`.
         found_albedo: (3, 3) by channel, see :attr:`Explanation.albedos`.
         found_gloss: (3,), see :attr:`Explanation.glosses`.
+        gloss_evidence: (E,), see :func:`.gloss_evidence`.
+        gloss_answers: (2,), see :func:`.gloss_answers`.
     """
 
     is_seen: NDArray[np.bool_]
@@ -70,6 +74,8 @@ class LightFeatures:
     statistics: NDArray[np.float32]
     found_albedo: NDArray[np.float32]
     found_gloss: NDArray[np.float32]
+    gloss_evidence: NDArray[np.float32]
+    gloss_answers: NDArray[np.float32]
 
 
 def light_features(
@@ -90,6 +96,9 @@ def light_features(
     """
     if found is None:
         found = explain(surface, seen_light(surface), "visibility" not in without)
+        whole = [np.arange(surface.voxel_count)]
+        posterior = gloss_posterior(surface, found.filled, whole)
+        found = dataclasses.replace(found, posterior=posterior)
     if "completion" in without:
         found = dataclasses.replace(found, light=found.filled)
     return features_of(found, voxels)
@@ -145,4 +154,6 @@ def features_of(found: Explanation, voxels: NDArray[np.int64]) -> LightFeatures:
         statistics=statistics.of_all,
         found_albedo=found.albedos,
         found_gloss=found.glosses,
+        gloss_evidence=gloss_evidence(found.posterior),
+        gloss_answers=gloss_answers(found.posterior),
     )

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf.parameters import RHO_D, RHO_S
 from reflest_core.inference.material import Explanation
 from reflest_core.models.definition import Scores
 from reflest_core.models.lightnet.features import LightFeatures, light_features
@@ -46,6 +47,9 @@ class LiveLightNet:
         self._strength_head = DenseLayer.of(tensors, "strength_head")
         self._roughness_head = DenseLayer.of(tensors, "roughness_head")
         self._found_scale = tensors["found_scale"]
+        self._update = DenseLayer.of(tensors, "update")
+        self._update_gloss = DenseLayer.of(tensors, "update_gloss")
+        self._update_albedo = DenseLayer.of(tensors, "update_albedo")
 
     def scores(
         self,
@@ -116,7 +120,27 @@ class LiveLightNet:
             )
         ]
         means, log_variances = (np.concatenate(parts) for parts in zip(*answers, strict=True))
-        return means, log_variances
+        return self._updated(means, log_variances, features)
+
+    def _updated(
+        self, means: Array, log_variances: Array, features: LightFeatures
+    ) -> tuple[Array, Array]:
+        """The answer, (5,) each, given the posterior of roughness."""
+        answers = features.gloss_answers * self._found_scale[1:]
+        with one_blas_thread():
+            hidden = _run(
+                (self._update,),
+                np.concatenate([features.gloss_evidence, means[RHO_S:], log_variances[RHO_S:]]),
+            )
+            weights, added, widened = np.split(self._update_gloss.linear(hidden), 3)
+            own = np.stack([means[RHO_D], log_variances[RHO_D]], axis=-1)
+            inputs = np.concatenate([np.broadcast_to(hidden, (3, len(hidden))), own], axis=-1)
+            albedo = self._update_albedo.linear(inputs)
+        gloss = means[RHO_S:] + weights * (answers - means[RHO_S:]) + added
+        return (
+            np.concatenate([means[RHO_D] + albedo[:, 0], gloss]),
+            log_variances + np.concatenate([albedo[:, 1], widened]),
+        )
 
     def _described_voxels(self, features: LightFeatures, mean_light: Array) -> Array:
         """(V, 3, width): every voxel by channel, from the observations that were made of it."""
@@ -190,7 +214,7 @@ def _two_layers(tensors: Tensors, name: str) -> tuple[DenseLayer, DenseLayer]:
     return DenseLayer.of(tensors, f"{name}.0"), DenseLayer.of(tensors, f"{name}.2")
 
 
-def _run(layers: tuple[DenseLayer, DenseLayer], values: Array) -> Array:
+def _run(layers: tuple[DenseLayer, ...], values: Array) -> Array:
     for layer in layers:
         values = layer.linear(values)
         values /= np.float32(1.0) + np.exp(-values)  # SiLU

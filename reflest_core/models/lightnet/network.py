@@ -13,6 +13,7 @@ from __future__ import annotations
 import torch
 from torch import nn
 
+from reflest_core.brdf.parameters import RHO_D, RHO_S
 from reflest_core.models.lightnet.live import FLOOR, FURTHEST
 from reflest_core.models.lightnet.shapes import (
     FOUND_STRENGTHS,
@@ -21,6 +22,7 @@ from reflest_core.models.lightnet.shapes import (
     ROUGHNESS_COUNT,
     STANDARDS,
     TWO_LAYERS,
+    UPDATE_HEADS,
     VOXEL,
 )
 
@@ -49,6 +51,12 @@ class LightNet(nn.Module):
         self.strength_head = nn.Linear(*ONE_LAYER["strength_head"])
         self.roughness_head = nn.Linear(*ONE_LAYER["roughness_head"])
         self.found_scale = nn.Parameter(torch.tensor(FOUND_SCALE))
+        self.update = nn.Linear(*ONE_LAYER["update"])
+        self.update_gloss = nn.Linear(*ONE_LAYER["update_gloss"])
+        self.update_albedo = nn.Linear(*ONE_LAYER["update_albedo"])
+        for name in UPDATE_HEADS:
+            nn.init.zeros_(getattr(self, name).weight)
+            nn.init.zeros_(getattr(self, name).bias)
         self.dropout = nn.Dropout(DROPPED)
 
     def forward(
@@ -71,6 +79,8 @@ class LightNet(nn.Module):
         statistics: torch.Tensor,
         found_albedo: torch.Tensor,
         found_gloss: torch.Tensor,
+        gloss_evidence: torch.Tensor,
+        gloss_answers: torch.Tensor,
     ) -> tuple[torch.Tensor, torch.Tensor]:
         """Estimate B surfaces; voxels without observations are padding.
 
@@ -96,6 +106,8 @@ class LightNet(nn.Module):
             statistics: (B, S).
             found_albedo: (B, 3, A).
             found_gloss: (B, G).
+            gloss_evidence: (B, E).
+            gloss_answers: (B, 2).
 
         Returns:
             Means and log variances, (B, 5) each, of z-scored ``rho_d`` (3), ``rho_s``, ``alpha``.
@@ -166,7 +178,26 @@ class LightNet(nn.Module):
             _answer(self.roughness_head(gloss)[:, None], roughness[:, None] * scale[2]),
         ]
         means, log_variances = (torch.cat(parts, dim=1) for parts in zip(*answers, strict=True))
-        return means, log_variances
+        return self._updated(means, log_variances, gloss_evidence, gloss_answers * scale[1:])
+
+    def _updated(
+        self,
+        means: torch.Tensor,
+        log_variances: torch.Tensor,
+        evidence: torch.Tensor,
+        answers: torch.Tensor,
+    ) -> tuple[torch.Tensor, torch.Tensor]:
+        """The answer (B, 5) each, given the posterior of roughness and its ``answers`` (B, 2)."""
+        beside = torch.cat([evidence, means[:, RHO_S:], log_variances[:, RHO_S:]], dim=-1)
+        hidden = nn.functional.silu(self.update(beside))
+        weights, added, widened = self.update_gloss(hidden).split(2, dim=-1)
+        gloss = means[:, RHO_S:] + weights * (answers - means[:, RHO_S:]) + added
+        own = torch.stack([means[:, RHO_D], log_variances[:, RHO_D]], dim=-1)
+        albedo = self.update_albedo(torch.cat([hidden[:, None].expand(-1, 3, -1), own], dim=-1))
+        return (
+            torch.cat([means[:, RHO_D] + albedo[..., 0], gloss], dim=1),
+            log_variances + torch.cat([albedo[..., 1], widened], dim=1),
+        )
 
 
 class Standard(nn.Module):

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from reflest_core.inference.transport.ward_lobe import ROUGHNESSES
+from reflest_core.models.lightnet.gloss_evidence import GLOSS_EVIDENCE
 from reflest_core.models.lightnet.light_zones import ZONES
 from reflest_core.models.lightnet.scene_statistics import CHANNEL_STATISTICS, STATISTICS
 
@@ -16,6 +17,9 @@ CHANNEL_INPUTS = CHANNEL_STATISTICS + FIT_INPUTS + ZONES
 SHARED_INPUTS = STATISTICS + 2 * ZONES
 OBSERVATION, VOXEL, CHANNEL, SCENE, HEADS = 32, 48, 86, 72, 6
 """Widths of the stages, and the number of ways in which voxels are weighed against each other."""
+
+UPDATE = 8
+"""Width of the update; few numbers, for few scenes teach it."""
 
 TWO_LAYERS = {
     "observation": (OBSERVATION_INPUTS, OBSERVATION, OBSERVATION),
@@ -32,9 +36,17 @@ ONE_LAYER = {
     "diffuse_head": (SCENE, 3 + FOUND_ALBEDOS),
     "strength_head": (SCENE, 3 + FOUND_STRENGTHS),
     "roughness_head": (SCENE, 3 + FOUND_ROUGHNESSES),
+    "update": (GLOSS_EVIDENCE + 4, UPDATE),
+    "update_gloss": (UPDATE, 6),
+    "update_albedo": (UPDATE + 2, 2),
 }
 """Inputs and outputs of the others. Of a head: what the network adds, the log variance, and logits
-of the weights of the physics' answers and of none of them."""
+of the weights of the physics' answers and of none of them. Of the update: weights of the
+posterior's two answers, and what is added to means and log variances."""
+UPDATE_HEADS = ("update_gloss", "update_albedo")
+"""Where these are 0 the update changes nothing."""
+ADDED = "update"
+"""What the names of tensors begin with that earlier weight files lack."""
 STANDARDS = {"of_channel": CHANNEL_INPUTS, "of_all": SHARED_INPUTS}
 """Inputs that are taken in standard units."""
 

@@ -113,6 +113,7 @@ class LightTraining(TrainingMethod):
             arguments: All options.
             processes: Those that train together.
         """
+        from reflest_core.models.weights import load_weights
         from reflest_core.training.light.ablation import check_parts
         from reflest_core.training.light.data import ScanFolder, load_light_data
         from reflest_core.training.light.measured_scans import MeasuredScans
@@ -125,4 +126,7 @@ class LightTraining(TrainingMethod):
         place = ScanFolder(arguments.scan_folder or arguments.out / "scans", jobs)
         with processes.first_alone():
             data = load_light_data(arguments.data, recipe, arguments.scans or SCANS, place)
-        return LightTask(recipe, data, processes.device, held_out)
+        statistics = None
+        if arguments.start is not None:
+            statistics = load_weights(arguments.start)[1].statistics
+        return LightTask(recipe, data, processes.device, held_out, statistics)

@@ -38,6 +38,8 @@ AXES = {
     "statistics": "F",
     "found_albedo": "CF",
     "found_gloss": "F",
+    "gloss_evidence": "F",
+    "gloss_answers": "F",
 }
 """The arrays of ``LightFeatures`` by their axes: how they are padded, thinned and varied.
 

@@ -47,6 +47,7 @@ class LightTask:
         data: LightData,
         device: torch.device,
         held_out: MeasuredScans | None = None,
+        statistics: dict[str, ParameterStatistics] | None = None,
     ) -> None:
         """Prepare the training.
 
@@ -56,6 +57,8 @@ class LightTask:
             device: Where it is trained.
             held_out: Errors of other trainings under lights that they held out, to calibrate on;
                 None calibrates on the scans that this training holds out, where there are any.
+            statistics: Those that the starting weights were trained with; None computes them from
+                the scans.
 
         Raises:
             TrainingError: The recipe does without a part that there is not.
@@ -63,12 +66,7 @@ class LightTask:
         check_parts(recipe.without)
         self.recipe, self.data, self.device = recipe, data, device
         self.held_out = held_out
-        ward = data.training.ward.astype(np.float64)
-        labcd = np.stack([ward_to_labcd(one) for one in ward])
-        self.both_statistics = {
-            "ward": ParameterStatistics.of(ward),
-            "labcd": ParameterStatistics.of(labcd),
-        }
+        self.both_statistics = statistics or _statistics(data.training)
         self.statistics = self.both_statistics["ward"]
         self._mean, self._stddev = (
             torch.from_numpy(values).float().to(device)
@@ -140,6 +138,7 @@ class LightTask:
         described = {
             **self.recipe.describe(),
             "data": self.data.described,
+            "gloss_posterior": True,
             "calibrated_under": [] if held_out is None else held_out.lights,
         }
         card = WeightsCard(
@@ -162,6 +161,12 @@ class LightTask:
 
     def _measured(self, module: torch.nn.Module, scans: StoredScans) -> MeasuredScans:
         return measured(module, scans, self.statistics, self.recipe.without, self.device)
+
+
+def _statistics(scans: StoredScans) -> dict[str, ParameterStatistics]:
+    ward = scans.ward.astype(np.float64)
+    labcd = np.stack([ward_to_labcd(one) for one in ward])
+    return {"ward": ParameterStatistics.of(ward), "labcd": ParameterStatistics.of(labcd)}
 
 
 def likelihood_loss(

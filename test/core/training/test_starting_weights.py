@@ -85,3 +85,17 @@ def test_weights_of_the_other_network_and_two_networks_are_refused(data, first, 
     everything = ["train", str(data), "--all", "--from", str(first), "--out", str(tmp_path)]
     assert main(everything) == 2
     assert "--from goes with one variant" in capsys.readouterr().err
+
+
+def test_tensors_added_since_a_file_was_written_keep_their_own_first_values():
+    network = network_named("lightnet")
+    recipe = network.recipes["ours"]
+    start = StartingWeights.read(network.models[0].weights, recipe)
+    earlier = {name: t for name, t in start.tensors.items() if not name.startswith("update")}
+    module = network.module()
+    first = {name: tensor.clone() for name, tensor in module.state_dict().items()}
+    StartingWeights(earlier, start.parameters, start.name).put_into(module, recipe)
+    for name, tensor in module.state_dict().items():
+        expected = earlier.get(name, first[name].numpy())
+        np.testing.assert_array_equal(tensor.numpy(), expected)
+    assert module.update.weight.abs().max() > 0

@@ -12,8 +12,12 @@ from reflest_core.inference.material import explain
 from reflest_core.light.light_map import LightMap
 from reflest_core.models.lightnet import VOXELS
 from reflest_core.models.lightnet.features import LightFeatures, features_of
+from reflest_core.models.lightnet.gloss_evidence import GLOSS_EVIDENCE
 from reflest_core.models.lightnet.live import LiveLightNet
 from reflest_core.models.lightnet.network import LightNet
+from reflest_core.models.lightnet.shapes import ADDED, UPDATE_HEADS
+from reflest_core.models.registry import models, network_named
+from reflest_core.models.weights import load_weights
 from reflest_core.surface.voxel_choice import choose_voxels
 from reflest_core.training.light.scan_file import AXES
 from test.core.surfaces import sphere_surface
@@ -104,3 +108,50 @@ def test_colour_channels_are_alike(network):
     )
     for found, expected in zip(live.evaluate(swapped), live.evaluate(look), strict=True):
         np.testing.assert_allclose(found, expected[[*swap, 3, 4]], atol=1e-5)
+
+
+def with_evidence(features):
+    """The same surface with what some observations say about roughness."""
+    rng = np.random.default_rng(5)
+    return dataclasses.replace(
+        features,
+        gloss_evidence=rng.normal(size=GLOSS_EVIDENCE).astype(np.float32),
+        gloss_answers=np.array([0.03, 0.05], np.float32),
+    )
+
+
+def test_weights_from_before_the_update_give_the_same_bits_whatever_the_posterior():
+    tensors = load_weights(models()["lightnet"].weights)[0]
+    earlier = {name: t for name, t in tensors.items() if not name.startswith(ADDED)}
+    shipped = LiveLightNet(network_named("lightnet").completed(earlier))
+    features = look_at(20)
+    for found, expected in zip(
+        shipped.evaluate(with_evidence(features)), shipped.evaluate(features), strict=True
+    ):
+        np.testing.assert_array_equal(found, expected)
+
+
+def test_a_trained_update_is_pytorchs_and_moves_the_estimate():
+    torch.manual_seed(3)
+    module = LightNet().eval()
+    features = with_evidence(look_at(20))
+    with torch.inference_mode():
+        before = module(**batched(features, 0))
+        for name in UPDATE_HEADS:
+            torch.nn.init.normal_(getattr(module, name).weight, std=0.3)
+        expected = module(**batched(features, 0))
+    tensors = {name: t.numpy() for name, t in module.state_dict().items()}
+    found = LiveLightNet(tensors).evaluate(features)
+    for one, other, unchanged in zip(found, expected, before, strict=True):
+        np.testing.assert_allclose(one, other[0].numpy(), atol=2e-5)
+        assert np.abs(one - unchanged[0].numpy()).min() > 1e-4
+
+
+def test_with_all_weight_the_posteriors_answer_is_the_estimate():
+    module = LightNet()
+    tensors = {name: t.numpy().copy() for name, t in module.state_dict().items()}
+    tensors["update_gloss.bias"][:2] = 1.0
+    features = with_evidence(look_at(20))
+    means, _ = LiveLightNet(tensors).evaluate(features)
+    expected = features.gloss_answers * tensors["found_scale"][1:]
+    np.testing.assert_allclose(means[3:], expected, atol=1e-5)

@@ -123,3 +123,22 @@ def test_padding_is_never_looked_at():
     module = LightNet().eval()
     for one, other in zip(module(**clean), module(**dirty), strict=True):
         torch.testing.assert_close(one, other)
+
+
+def test_the_update_alone_learns_from_the_posterior_and_keeps_all_else(tmp_path):
+    """The posterior's roughness is exact here, and the rest of the network untrained."""
+    scans = made_scans(120, 0)
+    data = LightData(scans, made_scans(20, 1))
+    for some in (data.training, data.validation):
+        some.arrays["gloss_answers"][:] = some.ward[:, 3:]
+    small = {"minibatches": 60, "batch_size": 16, "voxels": 4, "only": "update"}
+    recipe = dataclasses.replace(RECIPE, **small, average=0.0, learning_rate=0.02)
+    training = trainer(tmp_path, data, recipe, every=60)
+    before = {name: t.clone() for name, t in training.module.state_dict().items()}
+    first = training.task.rmse(training.module.eval())
+    tensors, card, _ = load_weights(training.run())
+    assert float((tmp_path / "log.csv").read_text().splitlines()[-1].split(",")[2]) < first
+    for name, tensor in before.items():
+        is_kept = bool((tensors[name] == tensor.numpy()).all())
+        assert is_kept != name.startswith("update"), name
+    assert card.recipe["gloss_posterior"] is True
