@@ -13,8 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.inference.transport.mirrored_texels import mirrored_texels, vector
-from reflest_core.jit import compiled, kernel_array
+from reflest_core.jit import compiled, kernel_array, vectorised
 from reflest_core.light.completion import LightPyramid, halved
 from reflest_core.surface.tangent_frame import tangent_frame
 
@@ -98,15 +97,18 @@ def _gather(
     gathered = np.zeros((roughnesses, len(directions), COLUMNS), np.float32)
     half_vectors = np.zeros((roughnesses, 3, samples), np.float32)
     level_of = np.zeros(roughnesses, np.int64)
-    weights, texels = np.zeros(samples), np.zeros(samples, np.int32)
-    total = np.zeros(COLUMNS)
+    weights, texels = np.zeros(samples, np.float32), np.zeros(samples, np.int32)
+    has_excess = lights[:, EXCESS:].max() > 0.0
+    axes = np.zeros((3, 3), np.float32)
     texel_width = math.sqrt(4.0 * math.pi) / edge
     voxel = -1
-    frame, normal = tangent_frame(normals[0]), vector(normals, 0)
     for observation in range(len(directions)):
         if voxel_of[observation] != voxel:
             voxel = voxel_of[observation]
-            frame, normal = tangent_frame(normals[voxel]), vector(normals, voxel)
+            tx, ty, tz, bx, by, bz = tangent_frame(normals[voxel])
+            axes[0, 0], axes[0, 1], axes[0, 2] = tx, ty, tz
+            axes[1, 0], axes[1, 1], axes[1, 2] = bx, by, bz
+            axes[2] = normals[voxel]
             for k in range(roughnesses):
                 alpha = alphas[voxel, k]
                 for s in range(samples):
@@ -119,25 +121,73 @@ def _gather(
                 spacing = 4.0 * alpha / math.sqrt(samples)
                 level = int(math.log2(max(spacing / texel_width, 1.0)) + 0.5)
                 level_of[k] = min(level, len(offsets) - 2)
-        towards_camera = vector(directions, observation)
         for k in range(roughnesses):
             level = level_of[k]
-            mirrored_texels(
-                frame,
-                normal,
-                towards_camera,
-                half_vectors[k],
-                edge >> level,
-                weights,
-                texels,
+            _sampled_texels(
+                axes, directions[observation], half_vectors[k], edge >> level, weights, texels
             )
-            mass = 1e-9
-            total[:] = 0.0
+            none = np.float32(0.0)
+            mass, red, green, blue, seen = np.float32(1e-9), none, none, none, none
             for s in range(samples):
                 texel, weight = offsets[level] + texels[s], weights[s]
                 mass += weight
-                for i in range(COLUMNS):
-                    total[i] += weight * lights[texel, i]
-            for i in range(COLUMNS):
-                gathered[k, observation, i] = total[i] / (mass if i == SEEN else samples)
+                red += weight * lights[texel, 0]
+                green += weight * lights[texel, 1]
+                blue += weight * lights[texel, 2]
+                seen += weight * lights[texel, SEEN]
+            place = gathered[k, observation]
+            place[0], place[1], place[2] = red / samples, green / samples, blue / samples
+            place[SEEN] = seen / mass
+            if has_excess:
+                red, green, blue = none, none, none
+                for s in range(samples):
+                    texel, weight = offsets[level] + texels[s], weights[s]
+                    red += weight * lights[texel, EXCESS]
+                    green += weight * lights[texel, EXCESS + 1]
+                    blue += weight * lights[texel, EXCESS + 2]
+                place[EXCESS], place[EXCESS + 1] = red / samples, green / samples
+                place[EXCESS + 2] = blue / samples
     return gathered
+
+
+@vectorised
+def _sampled_texels(
+    axes: NDArray[np.float32],
+    towards_camera: NDArray[np.float32],
+    half_vectors: NDArray[np.float32],
+    size: int,
+    weights: NDArray[np.float32],
+    texels: NDArray[np.int32],
+) -> None:
+    """:func:`.mirrored_texels` in single precision, which takes half the time.
+
+    ``axes``: (3, 3) tangent, bitangent and normal.
+    """
+    zero, half, one, two = np.float32(0.0), np.float32(0.5), np.float32(1.0), np.float32(2.0)
+    x = axes[0, 0] * towards_camera[0] + axes[0, 1] * towards_camera[1]
+    x += axes[0, 2] * towards_camera[2]
+    y = axes[1, 0] * towards_camera[0] + axes[1, 1] * towards_camera[1]
+    y += axes[1, 2] * towards_camera[2]
+    z = axes[2, 0] * towards_camera[0] + axes[2, 1] * towards_camera[1]
+    z += axes[2, 2] * towards_camera[2]
+    inverse = one / max(z, np.float32(1e-3))
+    scale_of_map = half * np.float32(size)
+    last = np.int32(size - 1)
+    for s in range(len(weights)):
+        hx, hy, hz = half_vectors[0, s], half_vectors[1, s], half_vectors[2, s]
+        along = x * hx + y * hy + z * hz
+        ix, iy, iz = two * along * hx - x, two * along * hy - y, two * along * hz - z
+        is_above = (along > zero) & (iz > zero)
+        weight = along * hz * hz * hz * np.sqrt(max(iz, zero) * inverse)
+        weights[s] = weight if is_above else zero
+        wx = axes[0, 0] * ix + axes[1, 0] * iy + axes[2, 0] * iz
+        wy = axes[0, 1] * ix + axes[1, 1] * iy + axes[2, 1] * iz
+        wz = axes[0, 2] * ix + axes[1, 2] * iy + axes[2, 2] * iz
+        scale = one / (abs(wx) + abs(wy) + abs(wz))
+        u, v = wx * scale, wy * scale
+        folded_u = (one - abs(v)) * (one if u >= zero else -one)
+        folded_v = (one - abs(u)) * (one if v >= zero else -one)
+        u, v = (folded_u if wz < zero else u), (folded_v if wz < zero else v)
+        column = min(np.int32((u + one) * scale_of_map), last)
+        row = min(np.int32((v + one) * scale_of_map), last)
+        texels[s] = row * np.int32(size) + column
