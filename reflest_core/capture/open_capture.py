@@ -7,6 +7,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
 from reflest_core.capture.assembler import RefusalListener
 from reflest_core.capture.capture import Capture, MessageSource
 from reflest_core.capture.folders.files import Pinhole
@@ -48,7 +50,8 @@ def open_capture(
     """
     path = Path(path)
     try:
-        source = _open_source(path, topics, pinhole, settings.pose_source)
+        with np.errstate(invalid="ignore", over="ignore"):  # odd numbers in a folder's text files
+            source = _open_source(path, topics, pinhole, settings.pose_source)
     except OSError as error:
         raise CaptureError(f"{path} cannot be read: {error.strerror}") from error
     return Capture(source, settings, on_refusal, on_clock_jump, on_warning)

@@ -15,6 +15,9 @@ from reflest_core.capture.formats.topics import TopicChoice
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.capture.refusal import CaptureError
 from reflest_core.capture.settings import CaptureSettings
+from reflest_core.fusion.poses.check import PoseCheck
+from reflest_core.fusion.scan import Scan
+from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from test.core.capture.folder_writers import LOSSY, WRITERS, write_scannet
 from test.core.capture.recording import (
     FOCAL,
@@ -258,6 +261,13 @@ def test_real_captures_are_read_whole(name, least):
     assert all(0.2 < np.median(frame.depth[frame.depth > 0]) < 5.0 for frame in frames)
     if name != "redkitchen":
         assert all((frame.depth > 0).mean() > 0.35 for frame in frames), "gaps are filled"
+    check, scan = PoseCheck(), Scan(FusionSettings(voxel_size=0.01), RegionSettings())
+    for frame in frames[:15]:
+        check.add(frame)
+        scan.fuse(frame)
+    assert check.report.agreement > 0.65
+    assert check.report.problem == ""
+    assert scan.voxel_count > 1000
 
 
 NUMBER = re.compile(rb"-?\d+\.?\d*(?:e[+-]?\d+)?")
