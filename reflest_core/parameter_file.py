@@ -13,7 +13,7 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -64,22 +64,34 @@ def read_parameter_file(path: Path, node: str | None = None) -> dict[str, Any]:
     return values
 
 
-def check_known(values: dict[str, Any], known: Collection[str], source: str) -> None:
-    """Refuse a name that no parameter has.
+def check_known(
+    values: dict[str, Any],
+    known: Collection[str],
+    source: str,
+    on_warning: Callable[[str], None] = lambda _: None,
+) -> None:
+    """Refuse a name that no parameter has, if it resembles one or is in a known group.
+
+    Other names may be meant for another node that shares a section, as ``/**``.
 
     Args:
         values: Values by dotted names.
         known: All names; one that ends in a point stands for all that begin so.
         source: Where the values are from, for the sentence.
+        on_warning: Called with a sentence on each unknown name that resembles none.
 
     Raises:
         ParameterError: It names the unknown and the nearest known one.
     """
     prefixes = tuple(name for name in (*known, *OF_ROS) if name.endswith("."))
     names = {*known, *OF_ROS}
+    groups = {name.split(".")[0] for name in known}
     for name in values:
         if name not in names and not name.startswith(prefixes):
-            raise ParameterError(f"{source}: {name} is no parameter{nearest(name, known)}")
+            meant = nearest(name, known)
+            if meant or name.split(".")[0] in groups:
+                raise ParameterError(f"{source}: {name} is no parameter{meant}")
+            on_warning(f"{source}: {name} is no parameter of reflest and has no effect")
 
 
 def nearest(name: str, known: Collection[str]) -> str:

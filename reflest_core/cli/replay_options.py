@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -42,7 +43,7 @@ def replay_settings(options: argparse.Namespace) -> ReflestSettings:
         ParameterError: naming the parameter that is wrong.
     """
     config: Path | None = options.config
-    settings = ReflestSettings.from_yaml(config) if config else ReflestSettings()
+    settings = ReflestSettings.from_yaml(config, _warn) if config else ReflestSettings()
     fusion = {"voxel_size": options.voxel_size, "max_depth": options.max_depth}
     estimation = {
         "model": options.model,
@@ -57,6 +58,10 @@ def replay_settings(options: argparse.Namespace) -> ReflestSettings:
         fusion=with_values(settings.fusion, _given(fusion), "fusion"),
         estimation=with_values(settings.estimation, _given(estimation), "estimation"),
     )
+
+
+def _warn(sentence: str) -> None:
+    print(f"reflest: warning: {sentence}", file=sys.stderr)
 
 
 def _given(values: dict[str, object]) -> dict[str, object]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -134,11 +135,14 @@ class ReflestSettings:
         return ReflestSettings(**groups)
 
     @staticmethod
-    def from_yaml(path: Path) -> ReflestSettings:
+    def from_yaml(
+        path: Path, on_warning: Callable[[str], None] = lambda _: None
+    ) -> ReflestSettings:
         """Read a ROS 2 parameter file as the node does; the node's own groups are passed over.
 
         Args:
             path: The file; :mod:`reflest_core.parameter_file` says which of its nodes is read.
+            on_warning: Called with a sentence on each name that seems to be another node's.
 
         Returns:
             The settings; what the file does not name keeps its default.
@@ -157,7 +161,9 @@ class ReflestSettings:
         for group in groups:
             if group in values:
                 raise ParameterError(f"{group} must hold names and values, not {values[group]!r}")
-        check_known(values, [*known, *(f"{group}." for group in NODE_GROUPS)], str(path))
+        check_known(
+            values, [*known, *(f"{group}." for group in NODE_GROUPS)], str(path), on_warning
+        )
         nested: dict[str, dict[str, Any]] = {}
         for name, value in values.items():
             group, _, member = name.partition(".")

@@ -129,7 +129,7 @@ def test_what_is_no_parameter_file_is_refused_in_a_sentence(read, text, words):
         ("regions: {shape: sphere}", "regions.shape is no parameter: is region.shape meant?"),
         ("fusion.voxelsize: 0.01", "fusion.voxelsize is no parameter: is fusion.voxel_size meant?"),
         ("capture: {slopp: 0.1}", "capture.slopp is no parameter: is capture.slop meant?"),
-        ("zzzz: 1", "zzzz is no parameter"),
+        ("capture: {zzzzzz: 1}", "capture.zzzzzz is no parameter"),
     ],
 )
 def test_an_unknown_name_is_refused_with_the_nearest_known_one(tmp_path, written, meant):
@@ -156,3 +156,10 @@ def test_dotted_names_and_exponents_reach_the_settings(tmp_path):
 def test_a_folder_or_a_pipe_is_not_read(tmp_path):
     with pytest.raises(ParameterError, match="not a file"):
         read_parameter_file(tmp_path)
+
+
+def test_a_name_that_resembles_none_may_be_another_nodes_and_is_warned_of(tmp_path):
+    path, heard = tmp_path / "p.yaml", []
+    path.write_text("/**:\n  ros__parameters:\n    qqq.zzz: 1\n    fusion.threads: 1\n")
+    assert ReflestSettings.from_yaml(path, heard.append).fusion.threads == 1
+    assert heard == [f"{path}: qqq.zzz is no parameter of reflest and has no effect"]

@@ -254,7 +254,9 @@ def by_number(folder: Path, pattern: str) -> dict[int, Path]:
     """
     if not folder.is_dir():
         return {}
-    matches = ((re.fullmatch(pattern, path.name), path) for path in sorted(folder.iterdir()))
+    matches = (
+        (re.fullmatch(pattern, path.name, re.IGNORECASE), path) for path in sorted(folder.iterdir())
+    )
     found = {int(match[1]): path for match, path in matches if match}
     return dict(sorted(found.items()))
 

@@ -36,7 +36,7 @@ from reflest_core.capture.messages import CameraInfoMessage
 from reflest_core.capture.refusal import CaptureError
 from reflest_core.capture.settings import ROTATED_SCALE
 
-COLOUR_NAME = re.compile(r"frame-(\d+)\.color\.(png|jpe?g)")
+COLOUR_NAME = re.compile(r"frame-(\d+)\.color\.(png|jpe?g)", re.IGNORECASE)
 DEPTH_NAME = r"frame-(\d+)\.depth\.(?:png|pgm|tiff?)"
 INFO_LINE = re.compile(r"m_calibration(Color|Depth)Intrinsic\s*=\s*([^\n]*)")
 ROTATED_BY = INTRINSICS[1]

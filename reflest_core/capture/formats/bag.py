@@ -171,7 +171,7 @@ def _packed_encoding(message: CompressedImageMessage) -> str:
     header = read_header(bytes(message.data)) if not names_it else None
     if header is not None and header.bit_depth == 16 and header.channels == 1:
         return f"16UC1; {message.format}"
-    return message.format
+    return message.format or (header.kind if header else "")
 
 
 def _by_number(name: str) -> list[tuple[bool, int, str]]:

@@ -79,6 +79,11 @@ def _conventions() -> Iterator[Convention]:
     yield Convention(in_body, lambda pose: pose @ OPTICAL_IN_BODY)
     yield Convention(in_opengl, lambda pose: pose @ OPTICAL_IN_OPENGL)
     yield Convention(inverse, _inverse)
+    yield Convention(
+        "the poses seem to be world-to-camera, of the camera's body frame (x forward): invert "
+        "them, and set capture.pose_to_camera to 0, 0, 0, -0.5, 0.5, -0.5, 0.5",
+        lambda pose: _inverse(pose) @ OPTICAL_IN_BODY,
+    )
     for axis, name in enumerate("xyz"):
         yield Convention(
             f"the poses seem to be mirrored along {name} (a left-handed world, as game engines "

@@ -68,6 +68,12 @@ def test_right_poses_agree_and_nothing_is_said(frames):
         ("mirrored along y", lambda pose: MIRROR @ pose @ MIRROR),
         ("order w, x, y, z", read_as_wxyz),
         ("1000 times shorter", lambda pose: scaled(pose, 1000.0)),
+        ("2 times longer", lambda pose: scaled(pose, 0.5)),
+        ("1.25 times shorter", lambda pose: scaled(pose, 1.3)),
+        (
+            "world-to-camera, of the camera's body",
+            lambda pose: np.linalg.inv(pose @ np.linalg.inv(OPTICAL_IN_BODY)),
+        ),
         ("view matrices", lambda pose: OPTICAL_IN_OPENGL @ np.linalg.inv(pose)),
     ],
 )
