@@ -31,6 +31,9 @@ CAMERAS = ("none", "realsense", "azure_kinect", "orbbec", "tum")
 PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
 RVIZ_TOPICS = (
     "/reflectance/voxels",
+    "/reflectance/material_cloud",
+    "/reflectance/material_markers",
+    "/reflectance/overlay",
     "/reflectance/markers",
     "/reflectance/preview",
     "/reflectance/environment/preview",

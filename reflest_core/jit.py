@@ -12,12 +12,42 @@ other files' kernels call.
 
 from __future__ import annotations
 
+import contextlib
+import os
+import tempfile
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
+
+CACHE_VARIABLE = "NUMBA_CACHE_DIR"
+
+
+def cache_where_possible() -> None:
+    """Let Numba keep compiled kernels in a temporary folder where it has no other place.
+
+    It keeps them beside the sources, else in the user's home; where neither can be written it
+    refuses to compile at all. ``NUMBA_CACHE_DIR`` in the environment wins.
+    """
+    config = cast(Any, numba.config)
+    if os.environ.get(CACHE_VARIABLE) or config.CACHE_DIR:
+        return
+    sources, home = Path(__file__).parent, Path(os.path.expanduser("~"))
+    if any(os.access(folder, os.W_OK | os.X_OK) for folder in (sources, home)):
+        return
+    own = Path(tempfile.gettempdir()) / f"reflest-kernels-{os.getuid()}"
+    with contextlib.suppress(FileExistsError):
+        own.mkdir(mode=0o700)
+    # Compiled code is run: it must be nobody else's.
+    if own.is_symlink() or own.stat().st_uid != os.getuid() or own.stat().st_mode & 0o022:
+        own = Path(tempfile.mkdtemp(prefix="reflest-kernels-"))
+    config.CACHE_DIR = str(own)
+
+
+cache_where_possible()
 
 F = TypeVar("F", bound=Callable[..., object])
 

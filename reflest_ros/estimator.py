@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 
 from rclpy.experimental import EventsExecutor
@@ -16,7 +17,10 @@ from reflest_ros.process import (
     limit_clean_up,
     ros_process,
 )
+from reflest_ros.shared_memory import remove_left_segments, room_problem
 from reflest_ros.threads import Spinning
+
+PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
 
 
 def main(args: list[str] | None = None) -> int:
@@ -43,7 +47,14 @@ def _run_node() -> int:
     # Imported late, so that a signal during the seconds that it takes ends the process cleanly.
     from reflest_ros.node import EstimatorNode
 
+    removed = remove_left_segments()
     node = EstimatorNode()
+    if removed:
+        node.get_logger().info(
+            f"removed {removed} segments of shared memory of processes that were killed"
+        )
+    if os.environ.get(PROFILE_VARIABLE) and (problem := room_problem()):
+        node.get_logger().warning(problem)
     executor = EventsExecutor()
     executor.add_node(node)
     spinning = Spinning(executor, "executor", node.crash)

@@ -75,8 +75,15 @@ def test_rviz_asks_for_what_is_offered():
 
 
 def test_rviz_shows_every_namespace_of_the_markers():
-    (markers,) = (one for one in rviz_displays() if one["Class"].endswith("/MarkerArray"))
-    assert set(markers["Namespaces"]) == {"values", "keyframes", "region"}
+    shown = {
+        one["Topic"]["Value"]: set(one["Namespaces"])
+        for one in rviz_displays()
+        if one["Class"].endswith("/MarkerArray")
+    }
+    assert shown == {
+        "/reflectance/markers": {"values", "keyframes", "region"},
+        "/reflectance/material_markers": {"materials"},
+    }
 
 
 def test_foxglove_shows_topics_of_the_node(topics):
