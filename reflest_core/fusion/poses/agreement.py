@@ -56,7 +56,7 @@ class DepthSample:
     """One frame's depth map, pose and a regular sample of its valid pixels.
 
     Attributes:
-        depth: (H, W) float32 metres, the frame's own array.
+        depth: (H, W) float32 metres; 0 where unknown or masked away.
         pose: (4, 4) float64, ``T_world_camera``.
     """
 
@@ -66,7 +66,9 @@ class DepthSample:
         Args:
             frame: Depth in metres with its pose and intrinsics.
         """
-        self.depth = kernel_array(frame.depth, np.float32)
+        # What is masked away, a hand or a turntable, need not move as the object does.
+        depth = frame.depth if frame.mask is None else np.where(frame.mask, frame.depth, 0.0)
+        self.depth = kernel_array(depth, np.float32)
         self.pose = np.asarray(frame.T_world_camera, np.float64)
         camera = frame.intrinsics
         self._pinhole = np.array([camera.fx, camera.fy, camera.cx, camera.cy])

@@ -20,7 +20,7 @@ LEAST_SHARE = 0.6
 """Below this pairs do not meet. Right poses give .7 to 1, wrong conventions 0 to .7."""
 TRIED_SHARE = 0.9
 """Below this the usual conventions are tried: another may fit far better."""
-FEWEST_PAIRS = 2
+FEWEST_PAIRS = 3
 """Pairs from which on a scan is judged."""
 TURN = math.radians(10.0)
 """Least rotation between the frames of a pair, or else:"""

@@ -139,3 +139,16 @@ def test_depth_with_gaps_in_a_grid_is_compared_too(frames):
     agreement = sparse[1].meets(sparse[0], relative)
     assert agreement.is_known
     assert agreement.share > 0.9
+
+
+def test_what_is_masked_away_may_move_as_it_likes(frames):
+    """An object in a hand: the wall behind stays in the picture while the object turns."""
+    held = []
+    for frame in frames:
+        mask = frame.depth > 0.0
+        depth = np.where(mask, frame.depth, np.float32(0.9))
+        held.append(replace(frame, depth=depth, mask=mask))
+    assert report_of([replace(frame, mask=None) for frame in held]).problem
+    report = report_of(held)
+    assert report.problem == ""
+    assert report.agreement > 0.9
