@@ -26,6 +26,7 @@ ALL_PARTS = (
     "eight-bit",
     "baselines",
     "perception",
+    "materials",
     "quick",
 )
 
@@ -46,7 +47,8 @@ def add_parser(subparsers: Any) -> None:
         "data",
         type=Path,
         nargs="?",
-        help="folder written by 'reflest synbrdf generate'; for the part stability: of captures",
+        help="folder written by 'reflest synbrdf generate'; for the parts "
+        "stability and materials: of captures",
     )
     parser.add_argument(
         "--quick",
@@ -61,8 +63,8 @@ def add_parser(subparsers: Any) -> None:
         metavar="PART",
         help=f"which to measure, of {', '.join(ALL_PARTS)}; none: write the page alone; default: "
         "all, but ablation only with --ablation, realism-training with --unhardened, look-around "
-        "with --environments, held-out-lights with --held-out, stability (of captures) where it is "
-        "named",
+        "with --environments, held-out-lights with --held-out, stability (of "
+        "captures) and materials (of bags of 'reflest synbrdf tabletop') where they are named",
     )
     parser.add_argument(
         "--runs", type=Path, help="folder of trained variants; default: the shipped weights"
@@ -101,6 +103,13 @@ def add_parser(subparsers: Any) -> None:
         help="trainings of lightnet, each with --hold-out and other environments",
     )
     parser.add_argument(
+        "--compare",
+        type=Path,
+        nargs=2,
+        metavar=("FOUND.ply", "TRUTH.ply"),
+        help="print the errors of what 'reflest replay --materials' wrote; needs no data",
+    )
+    parser.add_argument(
         "--realism", nargs="*", metavar="EFFECT", help="give scenes the faults of a real capture"
     )
     parser.set_defaults(run=run)
@@ -116,12 +125,14 @@ def run(arguments: argparse.Namespace) -> int:
         The exit status.
 
     Raises:
-        ParameterError: neither DATA and ``--out`` nor ``--quick`` is given.
+        ParameterError: neither DATA and ``--out`` nor ``--quick`` nor ``--compare`` is given.
     """
     if arguments.quick:
         return _run_quick()
+    if arguments.compare is not None:
+        return _run_compare(*arguments.compare)
     if arguments.data is None or arguments.out is None:
-        raise ParameterError("reflest evaluate needs DATA and --out, or --quick")
+        raise ParameterError("reflest evaluate needs DATA and --out, or --quick, or --compare")
     from reflest_core.evaluation.page import write_page
     from reflest_core.evaluation.parts import run_part
     from reflest_core.evaluation.studies.study import Study, StudySettings
@@ -158,6 +169,7 @@ def _wanted(arguments: argparse.Namespace) -> list[str]:
         "realism-training": arguments.unhardened,
         "look-around": arguments.environments,
         "held-out-lights": arguments.held_out,
+        "materials": False,
         "stability": False,
     }
     return [part for part in ALL_PARTS if given.get(part, True)]
@@ -174,6 +186,17 @@ def _run_quick() -> int:
         f"{measured.scene_mean:.3f}, median {measured.scene_median:.3f}, p95 "
         f"{measured.scene_p95:.3f}"
     )
+    return 0
+
+
+def _run_compare(found: Path, truth: Path) -> int:
+    from reflest_core.evaluation.statistics.material_clouds import (
+        compare_clouds,
+        read_cloud,
+        report,
+    )
+
+    print("\n".join(report(compare_clouds(read_cloud(found), read_cloud(truth)))))
     return 0
 
 

@@ -20,6 +20,7 @@ from reflest_core.evaluation.sections import (
     comparisons,
     cost,
     held_out,
+    materials,
     stability,
     tables,
     uncertainty,
@@ -45,6 +46,7 @@ SECTIONS: dict[str, Callable[[Record], Lines]] = {
     "eight-bit": cost.eight_bit,
     "baselines": comparisons.baselines,
     "perception": comparisons.perception,
+    "materials": materials.materials,
     "quick": cost.quick,
 }
 PLOTS = {

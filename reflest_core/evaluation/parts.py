@@ -42,6 +42,7 @@ from reflest_core.evaluation.studies.size_and_latency import (
 )
 from reflest_core.evaluation.studies.stability import find_captures, measure_stability
 from reflest_core.evaluation.studies.study import Study
+from reflest_core.evaluation.studies.table_scenes import find_tables, measure_materials
 from reflest_core.evaluation.studies.view_study import measure_views
 from reflest_core.evaluation.table_2 import measure_table_2, measure_table_3
 from reflest_core.models.card import ParameterStatistics
@@ -184,6 +185,10 @@ def _stability(study: Study) -> Figures:
     return measure_stability(find_captures(study.settings.data)[: study.settings.limit])
 
 
+def _materials(study: Study) -> Figures:
+    return measure_materials(find_tables(study.settings.data), study.settings.limit)
+
+
 def _time_accuracy(study: Study) -> Figures:
     return measure_time_accuracy(require_lightnet(study.networks), _few_samples(study))
 
@@ -210,6 +215,7 @@ PARTS: dict[str, Callable[[Study], Figures]] = {
         study.networks, study.splits, study.settings.optimised
     ),
     "perception": _perception,
+    "materials": _materials,
     "quick": _quick,
 }
 """In the order in which they are run."""

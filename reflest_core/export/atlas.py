@@ -27,6 +27,8 @@ LEAST_COSINE = 0.3
 """Between a face's normal and the direction that its chart is projected along."""
 SMALL_CHART = 20
 """A chart of fewer faces joins the neighbour that it shares most edges with."""
+STRAY_TEXELS = 4.0
+"""A face that is so much longer in the page than on the surface lies in no chart."""
 PADDING = 2
 """Texels between charts."""
 ACROSS = np.array([[1, 2], [2, 0], [0, 1]])
@@ -191,4 +193,36 @@ def _packed(
         options.texels_per_unit *= 0.93
     mapping, packed_faces, uv = atlas.get_mesh(0)
     in_page = np.clip(uv * np.array([atlas.width, atlas.height]) / size, 0.0, 1.0)
-    return Atlas(source[mapping], packed_faces.astype(np.int32), in_page.astype(np.float32), size)
+    scale = float(options.texels_per_unit) / size
+    return _without_stray_faces(
+        source[mapping],
+        packed_faces.astype(np.int32),
+        in_page.astype(np.float32),
+        scale * np.linalg.norm(edges, axis=2).max(axis=1),
+        size,
+    )
+
+
+def _without_stray_faces(
+    source: NDArray[np.int64],
+    faces: NDArray[np.int32],
+    uv: NDArray[np.float32],
+    expected: NDArray[np.float64],
+    size: int,
+) -> Atlas:
+    """Draw faces together into a point that xatlas left out of all charts, as too small to map.
+
+    Their corners lie wherever other faces have them: they would be drawn across other charts.
+    """
+    corners = uv[faces]
+    found = np.linalg.norm(corners - corners[:, [1, 2, 0]], axis=2).max(axis=1)
+    stray = np.flatnonzero(found > 2.0 * expected + STRAY_TEXELS / size)
+    faces = faces.copy()
+    added = faces[stray].reshape(-1)
+    faces[stray] = len(source) + np.arange(len(added), dtype=np.int32).reshape(-1, 3)
+    return Atlas(
+        np.concatenate([source, source[added]]),
+        faces,
+        np.concatenate([uv, np.repeat(uv[added[::3]], 3, axis=0)]),
+        size,
+    )

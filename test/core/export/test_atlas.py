@@ -61,3 +61,18 @@ def test_no_chart_holds_two_labels():
     labels = (mesh.vertices[mesh.faces].mean(axis=1)[:, 2] > 0).astype(np.int32)
     atlas = unwrapped(mesh, labels, 256)
     assert not np.isin(atlas.faces[labels == 0], atlas.faces[labels == 1]).any()
+
+
+def test_faces_too_small_for_a_chart_are_not_drawn_across_others():
+    ball = SHAPES["ball"]
+    # A needle on the ball whose projection has no area, between corners of faces of two charts.
+    tip = ball.vertices[ball.faces[0, 0]]
+    far = np.flatnonzero(ball.vertices @ tip < 0)[:1]
+    needle = np.array([[ball.faces[0, 0], ball.faces[0, 0], far[0]]], np.int32)
+    mesh = TriangleMesh(ball.vertices, np.concatenate([ball.faces, needle]))
+    atlas = unwrapped(mesh, np.zeros(len(mesh.faces), np.int32), 256)
+    corners = atlas.uv[atlas.faces]
+    reach = np.linalg.norm(corners - corners[:, [1, 2, 0]], axis=2).max(axis=1)
+    assert reach[:-1].max() < 0.1
+    _, face, _ = covered_texels(atlas.uv, atlas.faces, 256)
+    assert len(mesh.faces) - 1 not in face

@@ -49,7 +49,14 @@ def out(data, runs, unhardened, tmp_path_factory):
         patch.setattr(parts, "RENDERED", 3)
         patch.setattr(parts, "FEW_SCENES", 3)
         patch.setattr(view_study, "VIEW_COUNTS", (5, 20, 30))
-        elsewhere = ("quick", "ablation", "look-around", "held-out-lights", "stability")
+        elsewhere = (
+            "materials",
+            "quick",
+            "ablation",
+            "look-around",
+            "held-out-lights",
+            "stability",
+        )
         wanted = [part for part in parts.PARTS if part not in elsewhere]
         options = ["--out", str(folder), "--runs", str(runs), "--unhardened", str(unhardened)]
         options += ["--optimised", "2"]
@@ -460,7 +467,7 @@ def test_a_row_that_is_not_reproduced_is_an_error(data, tmp_path):
 
 def test_what_is_missing_is_said_in_one_sentence(data, tmp_path, capsys):
     assert main(["evaluate"]) == 2
-    assert "needs DATA and --out, or --quick" in capsys.readouterr().err
+    assert "needs DATA and --out, or --quick, or --compare" in capsys.readouterr().err
     out = ["--out", str(tmp_path)]
     assert main(["evaluate", str(data), *out, "--runs", str(tmp_path), "--parts", "views"]) == 2
     assert "holds no weights of a variant of Table 2" in capsys.readouterr().err

@@ -1,0 +1,153 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Scans of whole scenes against their truth: the part ``materials``.
+
+A scene is a bag of ``reflest synbrdf tabletop`` with ``truth.ply`` and ``truth.json`` beside it. It
+is replayed without a region, as a robot would scan it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from reflest_core.capture.open_capture import open_capture
+from reflest_core.capture.refusal import FrameRefused
+from reflest_core.estimation.estimator import NoEstimate
+from reflest_core.estimation.material_map import MaterialMap
+from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.settings import ReflestSettings
+from reflest_core.evaluation.networks import EvaluationError
+from reflest_core.evaluation.statistics.map_stability import Change, change_between
+from reflest_core.evaluation.statistics.material_clouds import (
+    CloudErrors,
+    compare_clouds,
+    read_cloud,
+)
+from reflest_core.export.material_ply import material_vertices
+from reflest_core.surface.partition import Partition
+
+TRUTH = "truth.ply"
+EVERY_VOXEL = 1 << 24
+"""More voxels than a scan's memory budget holds."""
+MEANS = ("z", "rmse", "log_rho_d", "ari", "balanced_ari", "purity", "completeness", "matched")
+
+
+def find_tables(folder: Path) -> list[Path]:
+    """The scenes in a folder, by name.
+
+    Args:
+        folder: Holds a bag in each of its folders.
+
+    Raises:
+        EvaluationError: There is none with a truth.
+    """
+    found = sorted(path.parent for path in folder.glob(f"*/{TRUTH}"))
+    if not found:
+        raise EvaluationError(
+            f"{folder} holds no scene with a {TRUTH}; make some with 'reflest synbrdf tabletop'"
+        )
+    return found
+
+
+def measure_materials(scenes: list[Path], limit: int | None = None) -> dict[str, Any]:
+    """Replay every scene and compare its materials with the truth.
+
+    Args:
+        scenes: Folders of bags with a truth.
+        limit: Only the first so many; None for all.
+
+    Returns:
+        The record of the part ``materials``: a row for each scene, and means over the scenes.
+    """
+    rows = []
+    for scene in tqdm(scenes[:limit], desc="scenes", unit="scene", leave=False):
+        rows.append(_measure(scene))
+    whole = [row["whole"] for row in rows]
+    found = [row["materials"] for row in rows]
+    return {
+        "scenes": len(rows),
+        "means": {
+            "materials": {name: float(np.mean([one[name] for one in found])) for name in MEANS},
+            "whole": {name: float(np.mean([one[name] for one in whole])) for name in MEANS},
+        },
+        "inside": np.nanmean([one["inside"] for one in found], axis=0).tolist(),
+        "kept": _mean([row["kept"] for row in rows]),
+        "small_steps": _mean([row["small_steps"] for row in rows]),
+        "rows": rows,
+    }
+
+
+def _measure(scene: Path) -> dict[str, Any]:
+    truth = read_cloud(scene / TRUTH)
+    scanner = Scanner(ReflestSettings())
+    maps = []
+    capture = open_capture(scene)
+    for frame in capture:
+        try:
+            scanned = scanner.fuse(frame)
+        except FrameRefused as refusal:
+            capture.refuse(refusal)
+            continue
+        if scanned.keyframe is not None:
+            try:
+                maps.append(scanner.materials(scanned.keyframe))
+            except NoEstimate:
+                continue
+    snapshot = scanner.snapshot(EVERY_VOXEL)
+    started = time.process_time()
+    final = scanner.materials(snapshot)
+    seconds = time.process_time() - started
+    changes = [
+        change
+        for before, after in zip(maps[len(maps) // 2 :], maps[len(maps) // 2 + 1 :], strict=False)
+        if (change := change_between(before, after)) is not None
+    ]
+    return {
+        "name": scene.name,
+        "setting": _setting(scene),
+        "voxels": final.surface.voxel_count,
+        "cpu_seconds": seconds,
+        "materials": dataclasses.asdict(_errors(final, truth)),
+        "whole": dataclasses.asdict(_errors(_as_one(scanner, final), truth)),
+        "kept": _mean([change.kept for change in changes]),
+        "small_steps": _small_steps(changes),
+    }
+
+
+def _errors(found: MaterialMap, truth: NDArray[np.void]) -> CloudErrors:
+    return compare_clouds(material_vertices(found), truth)
+
+
+def _as_one(scanner: Scanner, found: MaterialMap) -> MaterialMap:
+    """The same scan as one material."""
+    surface = found.surface
+    return scanner.estimator.materials(
+        surface, Partition.whole(surface), found.stamp_ns, found.frame_id
+    )
+
+
+def _setting(scene: Path) -> str:
+    try:
+        truth = json.loads((scene / "truth.json").read_text())
+    except (OSError, ValueError) as error:
+        raise EvaluationError(f"{scene / 'truth.json'} cannot be read ({error})") from error
+    return f"{truth.get('setting', 'unknown')}, {truth.get('light', 'unknown')} light"
+
+
+def _small_steps(changes: list[Change]) -> float:
+    """Share of materials that move by less than a stated deviation from keyframe to keyframe."""
+    steps = [step for change in changes for step in change.steps]
+    return float(np.mean([step < 1.0 for step in steps])) if steps else float("nan")
+
+
+def _mean(values: list[float]) -> float:
+    known = [value for value in values if np.isfinite(value)]
+    return float(np.mean(known)) if known else float("nan")
