@@ -112,7 +112,8 @@ def _commit() -> str:
 
 def _describe(data: Path) -> str:
     path = data / MANIFEST
-    if not path.exists() and (captures := list(data.glob("**/metadata.yaml"))):
+    captures = [*data.glob("metadata.yaml"), *data.glob("*/metadata.yaml")]
+    if captures and not path.exists():
         return f"{len(captures)} captures" if len(captures) > 1 else "one capture"
     try:
         manifest = json.loads(path.read_text())

@@ -114,12 +114,12 @@ def identifiability(
 def _interpolated(
     logs: NDArray[np.float64], values: NDArray[np.float64], fine: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """``values`` at ``fine``: a parabola about the maximum, straight lines elsewhere."""
+    """``values`` at ``fine``: a parabola in ``alpha`` about the maximum, lines elsewhere."""
     middle = min(max(int(values.argmax()), 1), len(logs) - 2)
     around = slice(middle - 1, middle + 2)
-    parabola = np.polyval(
-        np.polyfit(logs[around] - logs[middle], values[around], 2), fine - logs[middle]
-    )
+    centre = np.exp(logs[middle])
+    curve = np.polyfit(np.exp(logs[around]) / centre, values[around], 2)
+    parabola = np.polyval(curve, np.exp(fine) / centre)
     is_near = np.abs(fine - logs[middle]) <= logs[1] - logs[0]
     return np.where(is_near, parabola, np.interp(fine, logs, values))
 

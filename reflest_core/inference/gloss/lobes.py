@@ -119,7 +119,7 @@ def _gather(
                     half_vectors[k, 2, s] = scale
                 # Texels as wide as the samples' spacing about the mirrored direction.
                 spacing = 4.0 * alpha / math.sqrt(samples)
-                level = int(math.log2(max(spacing / texel_width, 1.0)) + 0.5)
+                level = math.ceil(math.log2(max(spacing / texel_width, 1.0)))
                 level_of[k] = min(level, len(offsets) - 2)
         for k in range(roughnesses):
             level = level_of[k]

@@ -25,9 +25,10 @@ def parts(centres, width=0.3, weight=10.0):
 
 
 def test_parts_that_agree_give_a_sharp_answer():
-    found = identifiability(ALPHAS, parts([0.05] * 8), NOTHING, **ENOUGH)
+    sharp = np.tile(-50.0 * ((ALPHAS - 0.055) / 0.055) ** 2, (8, 1))
+    found = identifiability(ALPHAS, sharp, NOTHING, **ENOUGH)
     assert found.reason == ""
-    assert np.exp(found.log_alpha) == pytest.approx(0.05, rel=0.03)
+    assert np.exp(found.log_alpha) == pytest.approx(0.055, rel=0.01)
     assert found.log_alpha_stddev == pytest.approx(MODEL_ERROR, rel=0.1)
     assert found.probability.sum() == pytest.approx(1.0)
 
