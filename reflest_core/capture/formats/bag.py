@@ -149,12 +149,15 @@ class Bag:
             with (folder / "metadata.yaml").open(encoding="utf-8-sig") as stream:
                 metadata = yaml.safe_load(stream.read(LONGEST_METADATA))
             information = metadata["rosbag2_bagfile_information"]
-            names = [Path(name).name for name in information["relative_file_paths"]]
-            mode = str(information.get("compression_mode", "")).lower()
+            listed = [Path(name).name for name in information["relative_file_paths"]]
+            names = [name for name in dict.fromkeys(listed) if "\0" not in name]
+            mode = information.get("compression_mode") or ""
+            if not isinstance(mode, str):
+                raise TypeError("compression_mode is no text")
         except (OSError, yaml.YAMLError, *UNREADABLE):
             self._notes.append(f"{folder}/metadata.yaml is missing or damaged, files go by name")
             names, mode = sorted((path.name for path in folder.iterdir()), key=_by_number), ""
-        if mode == "file" or any(name.endswith(".zstd") for name in names):
+        if mode.lower() == "file" or any(name.endswith(".zstd") for name in names):
             raise CaptureError(
                 f"{folder} is compressed file by file: unpack it with `zstd -d --rm "
                 f"{folder}/*.zstd` and delete its metadata.yaml"

@@ -191,6 +191,29 @@ def test_metadata_of_any_kind_are_passed_over(tmp_path, text):
     assert "metadata.yaml is missing or damaged" in capture.damage
 
 
+LAUGHS = "\n".join(
+    ["a0: &a0 x", *(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 12))]
+)
+
+
+def test_metadata_whose_mode_unfolds_to_billions_are_passed_over(tmp_path):
+    write_bag(tmp_path / "bag", recording(2))
+    path = tmp_path / "bag/metadata.yaml"
+    text = path.read_text().replace("compression_mode: ''", "compression_mode: *a11")
+    assert "*a11" in text
+    path.write_text(f"{LAUGHS}\n{text}")
+    assert len(list(open_capture(tmp_path / "bag"))) == 2
+
+
+def test_a_file_that_is_listed_twice_is_read_once(tmp_path):
+    write_bag(tmp_path / "bag", recording(3))
+    path = tmp_path / "bag/metadata.yaml"
+    listed = '- bag.mcap\n  - bag.mcap\n  - "b\\0.mcap"'
+    path.write_text(path.read_text().replace("- bag.mcap", listed, 1))
+    capture = open_capture(tmp_path / "bag")
+    assert len(list(capture)) == capture.frame_total == 3
+
+
 def test_split_bags_are_read_in_number_order(tmp_path):
     """Files 2 and 10 of one recording: by name alone, 10 would come first."""
     messages = recording(8)
