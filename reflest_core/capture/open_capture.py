@@ -62,6 +62,8 @@ def _open_source(
 ) -> MessageSource:
     if not path.exists():
         raise CaptureError(f"{path} does not exist")
+    if not (path.is_dir() or path.is_file()):
+        raise CaptureError(f"{path} is neither a file nor a folder, but a pipe or a device")
     names = [entry.name for entry in path.iterdir()] if path.is_dir() else [path.name]
     is_bag = any(Path(name).suffix in READERS_BY_SUFFIX for name in names)
     if is_bag or "metadata.yaml" in names:

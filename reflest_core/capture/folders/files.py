@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import errno
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -44,7 +45,7 @@ def read_text(path: Path) -> str:
         CaptureError: It cannot be read as text.
     """
     try:
-        return path.read_text("utf-8-sig")
+        return _read_bytes(path).decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise CaptureError(f"{path} cannot be read: {error}") from error
 
@@ -99,7 +100,7 @@ def colour_message(path: Path, stamp_ns: int) -> AnyImage:
     Raises:
         OSError: The file cannot be read.
     """
-    data = path.read_bytes()
+    data = _read_bytes(path)
     if path.suffix.lower() in PACKED:
         return CompressedImageMessage(stamp_ns, "", path.suffix, data)
     pixels = _unpacked(data, cv2.IMREAD_COLOR)
@@ -123,7 +124,7 @@ def depth_message(path: Path, stamp_ns: int) -> AnyImage:
         return _depth_pixels(_read_npy(path), stamp_ns)
     if suffix == ".exr":
         return _depth_pixels(_read_exr(path), stamp_ns)
-    data = path.read_bytes()
+    data = _read_bytes(path)
     if suffix == ".png":
         return CompressedImageMessage(stamp_ns, "", "16UC1; png", data)
     pixels = _unpacked(data, cv2.IMREAD_UNCHANGED)
@@ -153,7 +154,7 @@ def image_size(path: Path) -> tuple[int, int]:
     Raises:
         CaptureError: It is none.
     """
-    data = path.read_bytes()
+    data = _read_bytes(path)
     header = read_header(data)
     if header is not None:
         return header.width, header.height
@@ -264,6 +265,17 @@ def by_number(folder: Path, pattern: str) -> dict[int, Path]:
 ReadImage = Callable[[], AnyImage]
 
 
+def _check_file(path: Path) -> None:
+    """Raise an OSError for what is missing, and for pipes and devices, whose reading never ends."""
+    if not path.is_file():
+        raise FileNotFoundError(errno.ENOENT, "it is no regular file", str(path))
+
+
+def _read_bytes(path: Path) -> bytes:
+    _check_file(path)
+    return path.read_bytes()
+
+
 def _unpacked(data: bytes, flags: int) -> NDArray[np.generic] | None:
     """Return an image's pixels, None where OpenCV reads none (or refuses its size)."""
     try:
@@ -283,6 +295,7 @@ def _depth_pixels(pixels: NDArray[np.generic], stamp_ns: int) -> ImageMessage:
 
 
 def _read_npy(path: Path) -> NDArray[np.generic]:
+    _check_file(path)
     try:
         return np.asarray(np.load(path, allow_pickle=False))
     except (ValueError, EOFError, MemoryError):  # no array, one of objects, or a lie on its size
@@ -292,7 +305,7 @@ def _read_npy(path: Path) -> NDArray[np.generic]:
 def _read_exr(path: Path) -> NDArray[np.generic]:
     import OpenEXR
 
-    path.open("rb").close()  # so that a missing file is an OSError
+    _check_file(path)
     try:
         with OpenEXR.File(str(path)) as file:
             channels = file.channels()

@@ -132,6 +132,9 @@ class Bag:
     def _opened(self, paths: list[Path]) -> list[BagFile]:
         files, errors = [], []
         for path in paths:
+            if path.exists() and not path.is_file():
+                errors.append(f"{path} is not a regular file")
+                continue
             try:
                 files.append(READERS_BY_SUFFIX[path.suffix](path))
             except CaptureError as error:

@@ -298,3 +298,17 @@ def test_no_odd_number_in_a_text_file_ends_in_a_traceback(tmp_path, kind):
             except CaptureError as error:
                 assert "\n" not in str(error)
         path.write_bytes(whole)
+
+
+def test_a_pipe_in_the_place_of_a_file_does_not_hang(tmp_path):
+    os.mkfifo(tmp_path / "a.mcap")
+    with pytest.raises(CaptureError, match="pipe"):
+        open_capture(tmp_path / "a.mcap")
+    with pytest.raises(CaptureError, match="not a regular file"):
+        open_capture(tmp_path)
+    write_scannet(tmp_path / "scan", 3)
+    (tmp_path / "scan/depth/1.png").unlink()
+    os.mkfifo(tmp_path / "scan/depth/1.png")
+    capture = open_capture(tmp_path / "scan")
+    assert len(list(capture)) == 2
+    assert counts(capture.refusals) == {"truncated": 1, "depth_missing": 1}
