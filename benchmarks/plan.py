@@ -31,6 +31,7 @@ class Plan:
         memory_strip: Frames along a floor that is too large for the budget.
         memory_budget_mb: 10^6 bytes.
         live_seconds: Duration of the bag that is played to the node.
+        exports: Times that the scene is exported.
     """
 
     resolution: tuple[int, int] = (640, 480)
@@ -52,6 +53,7 @@ class Plan:
     memory_strip: int = 60
     memory_budget_mb: float = 128.0
     live_seconds: float = 60.0
+    exports: int = 3
 
     @property
     def live_frames(self) -> int:

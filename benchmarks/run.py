@@ -98,6 +98,14 @@ def run(plan: Plan, cache: Path, capture: Path | None = None) -> dict[str, Any]:
     )
     _say(f"live: {recording.seconds:g} s at {plan.rate:g} Hz")
     results["live"] = run_live(recording, bag)
+    _say("export of the scene")
+    results["asset"] = measured(
+        f"{MEASUREMENTS}.asset",
+        1,
+        capture=bag,
+        frames=plan.peer_frames,
+        exports=plan.exports,
+    )
     results["scene"] = _without_region(plan, Path(bag), "the table and all around it")
     if capture is not None:
         results["capture"] = _without_region(plan, capture.resolve(), capture.name)

@@ -23,7 +23,7 @@ from reflest_core.estimation.material_map import MaterialMap
 from reflest_core.estimation.scanner import Scanner as Pipeline
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.export.environment_file import export_environment
-from reflest_core.export.exporter import checked_format, export_scan
+from reflest_core.export.exporter import EVERY_VOXEL, checked_format, export_scan
 from reflest_core.export.scan_asset import AssetSettings
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 
@@ -180,7 +180,8 @@ class Scanner:
             return
         checked_format(path)
         up = self._pipeline.settings.estimation.up
-        export_scan(self._pipeline.scan, self.materials(), path, settings=AssetSettings(up=up))
+        found = self._pipeline.materials(self._pipeline.snapshot(EVERY_VOXEL))
+        export_scan(self._pipeline.scan, found, path, settings=AssetSettings(up=up))
 
     def save(self, path: Path | str) -> None:
         """Write the scan to a file that :meth:`load` and ``reflest export`` read.

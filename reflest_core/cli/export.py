@@ -117,7 +117,7 @@ def _sphere(options: argparse.Namespace) -> Asset:
 
 def _surface(options: argparse.Namespace) -> Asset:
     from reflest_core.export.errors import ExportError
-    from reflest_core.export.exporter import checked_format, export_scan
+    from reflest_core.export.exporter import EVERY_VOXEL, checked_format, export_scan
     from reflest_core.export.scan_asset import FACES, AssetSettings
 
     if options.environment is not None:
@@ -137,7 +137,7 @@ def _surface(options: argparse.Namespace) -> Asset:
         tuple(options.up) if options.up else (0.0, 0.0, 1.0),
     )
     scanner = _scanned(options)
-    found = scanner.materials(scanner.snapshot())
+    found = scanner.materials(scanner.snapshot(EVERY_VOXEL))
     return export_scan(scanner.scan, found, options.out, options.format, settings)
 
 

@@ -60,6 +60,8 @@ def _add_material(visual: ElementTree.Element, material: AssetMaterial, texture:
         ElementTree.SubElement(element, name).text = " ".join(f"{c:.6f}" for c in (*colour, 1.0))
     specular = " ".join(f"{c:.6f}" for c in (*(microfacet.f0,) * 3, 1.0))
     ElementTree.SubElement(element, "specular").text = specular
+    # The scanned side alone is known, but open surfaces should be seen from behind.
+    ElementTree.SubElement(element, "double_sided").text = "true"
     metal = ElementTree.SubElement(ElementTree.SubElement(element, "pbr"), "metal")
     if texture:
         ElementTree.SubElement(metal, "albedo_map").text = texture
