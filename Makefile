@@ -22,7 +22,7 @@ TEST_REQUIREMENTS := reflest_core/requirements-synbrdf.txt reflest_core/requirem
 INTERFACES := CMakeLists.txt package.xml setup.py pyproject.toml $(wildcard msg/*.msg srv/*.srv)
 requirement_flags = $(foreach file,$(1),-r $(file))
 
-.PHONY: web-tools demo test bench lint docs set-up clean
+.PHONY: web-tools demo test stress bench lint docs set-up clean
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/run.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
@@ -30,6 +30,12 @@ demo: $(VENV)/run.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
 
 test: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
 	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+# The tests of random use in their long form; an hour or more. See docs/reliability.md.
+stress: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
+	REFLEST_STRESS=1 $(BIN)/python -m pytest --timeout 7200 test/ros/test_random_use.py \
+		test/ros/test_hostile_requests.py test/ros/test_flat_memory.py test/ros/test_soak.py \
+		test/core/fusion/test_hostile_scans.py $(PYTEST_ARGS)
 
 bench: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
 	$(BIN)/python -m benchmarks $(BENCH_ARGS)

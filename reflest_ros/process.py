@@ -8,6 +8,7 @@ import contextlib
 import ctypes
 import gc
 import os
+import re
 import signal
 import sys
 import threading
@@ -15,6 +16,8 @@ from collections.abc import Iterator
 
 import rclpy
 from rclpy.signals import SignalHandlerOptions
+
+from reflest_core.errors import ReflestError
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
@@ -31,6 +34,14 @@ KILLED = 3
 """Exit code of a process whose clean-up took too long."""
 
 
+PLACE = re.compile(r",? at /\S+\.(c|cpp|hpp):\d+")
+"""Where in its sources the middleware found a mistake."""
+
+
+class StartError(ReflestError):
+    """ROS cannot be started with these arguments or in this environment."""
+
+
 @contextlib.contextmanager
 def ros_process(args: list[str] | None) -> Iterator[None]:
     """Hold a ROS context for the block; SIGINT and SIGTERM end the block early.
@@ -44,17 +55,35 @@ def ros_process(args: list[str] | None) -> Iterator[None]:
 
     Yields:
         Nothing.
+
+    Raises:
+        StartError: ROS cannot be started: its arguments, a parameter file or its security.
     """
     for number in SIGNALS:
         signal.signal(number, signal.default_int_handler)
     try:
-        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        _init(args)
         yield
     except KeyboardInterrupt:
         pass
     finally:
         ignore_signals()
         rclpy.try_shutdown()
+
+
+def _init(args: list[str] | None) -> None:
+    """Start ROS; what it cannot use ends in one sentence."""
+    try:
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    except Exception as error:
+        reason = PLACE.sub("", " ".join(str(error).split()))
+        if os.environ.get("ROS_SECURITY_ENABLE", "").lower() == "true":
+            keys = os.environ.get("ROS_SECURITY_KEYSTORE", "")
+            reason += (
+                f"; ROS_SECURITY_ENABLE is true and ROS_SECURITY_KEYSTORE is {keys!r}: create the "
+                "node's keys with ros2 security create_enclave, or unset ROS_SECURITY_ENABLE"
+            )
+        raise StartError(f"ROS cannot be started: {reason}") from error
 
 
 def ignore_signals() -> None:

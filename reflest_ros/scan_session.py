@@ -49,6 +49,7 @@ class ScanSession:
     """Fuses what the inputs bring while it is active, and answers services until it is closed.
 
     Attributes:
+        node_settings: The node's parameters that hold until cleanup.
         inputs: The topics that are listened to.
         scanner: The scan; it belongs to the fusion thread.
         autosave: Saves the scan regularly.
@@ -79,7 +80,7 @@ class ScanSession:
         """
         self._node = node
         self._settings = settings
-        self._resets_on_jump = node_settings.input.reset_on_clock_jump
+        self.node_settings = node_settings
         self._log = node.get_logger()
         self.is_active = False
         files = FileAccess(node_settings.files, node.get_name())
@@ -187,7 +188,7 @@ class ScanSession:
                 gc.collect()  # the old network's arrays hang in cycles
             if settings.keyframe != self._settings.keyframe:
                 policy = KeyframePolicy(settings.keyframe)
-                self.fusion.call_now(lambda: setattr(self.scanner, "keyframes", policy))
+                self.fusion.call_now(lambda: setattr(self.scanner, "keyframes", policy)).result()
             if settings.region != self.scanner.scan.region_settings:
                 self.fusion.call_now(lambda: self._set_region(settings.region)).result()
             self._settings = settings
@@ -237,7 +238,7 @@ class ScanSession:
 
     def _on_clock_jump(self, _: str) -> None:
         """Stamps went back: begin a new scan or go on with this one, as the user chose."""
-        if self._resets_on_jump:
+        if self.node_settings.input.reset_on_clock_jump:
             self.scanner.reset()
             self._scan_changed()
         else:

@@ -115,3 +115,30 @@ def test_every_group_is_in_the_file():
     text = BASE_FILE.read_text()
     for group in dataclasses.fields(ReflestSettings()):
         assert f"    {group.name}:" in text
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [("a: [1,\n", "params file"), (None, "Error opening YAML file")],
+    ids=["not YAML", "not there"],
+)
+def test_a_parameter_file_that_cannot_be_read_is_one_sentence(start, tmp_path, content, sentence):
+    path = tmp_path / "bad.yaml"
+    if content is not None:
+        path.write_text(content)
+    process = start("reflest_ros.estimator", "--ros-args", "--params-file", path)
+    assert process.exit_code() == 2, process.output
+    (line,) = process.lines_with("reflest: error:")
+    assert sentence in line
+    assert ".c:" not in line
+    assert "Traceback" not in process.output
+
+
+def test_enforced_security_without_keys_is_one_sentence(start):
+    process = start(
+        "reflest_ros.estimator", ROS_SECURITY_ENABLE="true", ROS_SECURITY_STRATEGY="Enforce"
+    )
+    assert process.exit_code() == 2, process.output
+    assert len(process.lines_with("error:")) == 1
+    assert "ROS_SECURITY_KEYSTORE" in process.output
+    assert "Traceback" not in process.output

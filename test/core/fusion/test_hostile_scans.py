@@ -16,10 +16,11 @@ from reflest_core.fusion.scan import MemoryBudgetError, Scan
 from reflest_core.fusion.scan_file import DamagedScanError, ScanFileError
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from test.core.fusion.analytic_scene import orbit_frames
+from test.stress import repeats
 
 SETTINGS = FusionSettings(max_depth=1.0, observations_per_voxel=6, memory_budget_mb=32.0)
 REGION = RegionSettings("sphere", (0.0, 0.0, 0.01), (0.3, 0.3, 0.3))
-MUTATIONS = 60
+MUTATIONS = repeats(60, 1000)
 
 
 @pytest.fixture(scope="module")
