@@ -21,7 +21,7 @@ from reflest_core.estimation.material_map import MOST_MATERIALS, MaterialEstimat
 from reflest_core.estimation.physical_ward import physical_ward
 from reflest_core.estimation.scene_estimates import SceneEstimate, SceneEstimates
 from reflest_core.estimation.settings import EstimationSettings
-from reflest_core.inference.gloss.network_update import with_posterior
+from reflest_core.inference.gloss.network_update import roughness_problem, with_posterior
 from reflest_core.inference.gloss.posterior import GlossPosterior, gloss_posterior
 from reflest_core.inference.light import SceneLight, infer_light, seen_light
 from reflest_core.inference.material import explain_material
@@ -230,7 +230,7 @@ class Estimator:
             self.predictor.voxels,
             coverage,
             prediction.light,
-            "" if gloss is None else gloss.reason,
+            "" if gloss is None else roughness_problem(ward, stddev, gloss),
             light_problem,
         )
         found = list(doubts(evidence, self.settings))

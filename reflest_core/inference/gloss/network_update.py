@@ -14,6 +14,8 @@ from reflest_core.inference.gloss.posterior import GlossPosterior
 LEAST_SPREAD, MOST_SPREAD = 0.45, 0.7
 """Least and greatest standard deviation of ``ln alpha`` that the network's answer is taken to have:
 the greatest is what it has on measured materials."""
+SURE = 1.0 / 3.0
+"""Standard deviation over ``alpha``, up to which a network's answer stands without highlights."""
 SMALLEST = 0.01
 """Roughness that the network's answer is taken to be at least."""
 
@@ -45,3 +47,20 @@ def with_posterior(
     ward[4] = math.exp(log_alpha)
     stddev[4] = ward[4] * spread
     return ward, stddev
+
+
+def roughness_problem(
+    ward: NDArray[np.float64], stddev: NDArray[np.float64] | None, posterior: GlossPosterior
+) -> str:
+    """Return why a roughness is uncertain, as a clause; "" where it is not.
+
+    Args:
+        ward: (5,) ``rho_d`` (3), ``rho_s``, ``alpha`` of the network, or with the posterior.
+        stddev: (5,) standard deviations of these; None where they are unknown.
+        posterior: Of the same surface.
+
+    Returns:
+        The posterior's reason, unless the network is sure of its answer.
+    """
+    is_sure = stddev is not None and float(stddev[4]) <= SURE * float(ward[4])
+    return "" if is_sure else posterior.reason

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from reflest_core.inference.gloss.network_update import with_posterior
+from reflest_core.inference.gloss.network_update import roughness_problem, with_posterior
 from reflest_core.inference.gloss.posterior import GlossPosterior
 
 FOUND = GlossPosterior(
@@ -55,3 +55,11 @@ def test_a_roughness_that_cannot_be_is_taken_for_the_smallest(alpha):
     ward, stddev = with_posterior(np.append(WARD[:4], alpha), STDDEV, FOUND)
     assert 0.0 < ward[4] <= FOUND.alpha
     assert np.isfinite(stddev).all()
+
+
+def test_roughness_is_a_problem_where_neither_highlights_nor_the_network_know_it():
+    unknown = dataclasses.replace(FOUND, is_identifiable=False, reason="nothing is known")
+    assert roughness_problem(WARD, STDDEV, unknown) == "nothing is known"
+    assert roughness_problem(WARD, None, unknown) == "nothing is known"
+    assert roughness_problem(WARD, STDDEV * 0.5, unknown) == ""
+    assert roughness_problem(WARD, STDDEV, FOUND) == ""
