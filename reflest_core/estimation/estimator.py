@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from reflest_core.estimation.doubts import Evidence, doubts
 from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
 from reflest_core.estimation.material_map import MOST_MATERIALS, MaterialEstimate, MaterialMap
 from reflest_core.estimation.physical_ward import physical_ward
+from reflest_core.estimation.scan_memory import GlossAnswer, ScanMemory
 from reflest_core.estimation.scene_estimates import SceneEstimate, SceneEstimates
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.inference.gloss.network_update import roughness_problem, with_posterior
@@ -28,12 +29,13 @@ from reflest_core.inference.material import explain_material
 from reflest_core.inference.transport.surface_irradiance import SurfaceSight
 from reflest_core.models.linear_algebra import one_blas_thread
 from reflest_core.models.predictor import Prediction, Predictor
-from reflest_core.segmentation.segmenter import Segmenter, in_key_order
+from reflest_core.segmentation.segmenter import in_key_order
 from reflest_core.surface.coverage import hemisphere_coverage
 from reflest_core.surface.extent import voxel_extent
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import WHOLE, Partition
 from reflest_core.surface.upright import upright
+from reflest_core.surface.voxel_choice import choose_voxels
 
 
 class NoEstimate(ReflestError):
@@ -82,7 +84,7 @@ class Estimator:
             most=self.settings.gloss_voxels,
             least_gain=self.settings.gloss_information,
         )
-        found = dataclasses.replace(found, posterior=gloss)
+        found = replace(found, posterior=gloss)
         prediction = self.predictor.predict(surface, found)
         return self._published(surface, prediction, gloss, header)
 
@@ -119,7 +121,7 @@ class Estimator:
     def segmented_materials(
         self,
         surface: ObservedSurface,
-        segmenter: Segmenter,
+        memory: ScanMemory,
         stamp_ns: int,
         frame_id: str,
         light_problem: str = "",
@@ -128,7 +130,8 @@ class Estimator:
 
         Args:
             surface: the scan, world frame.
-            segmenter: of this scan; it keeps ids from keyframe to keyframe.
+            memory: of this scan; it keeps ids and light from keyframe to keyframe, and the answers
+                about materials that changed little.
             stamp_ns: stamp of the keyframe's image.
             frame_id: camera frame of that image.
             light_problem: a warning about the scene's light, or "".
@@ -145,11 +148,17 @@ class Estimator:
         observed = seen_light(turned)
         header = stamp_ns, frame_id, light_problem
         with one_blas_thread():
-            scene = segmenter.segment(turned, observed)
-            light = None
+            scene = memory.segmenter.segment(turned, observed)
+            partition, light, bases = scene.partition, None, scene.bases()
+            answers = memory.known(self.predictor.model_id, bases)
             if self.predictor.sees_light:
-                light = infer_light(turned, observed, scene.partition, joint=scene.joint)
-            return self._map((surface, turned), scene.partition, light, header, scene.sight)
+                unknown = bases.keys() - answers.keys()
+                light = infer_light(
+                    turned, observed, partition, joint=scene.joint, evidence_of=unknown
+                )
+            found = self._map((surface, turned), partition, light, header, scene.sight, answers)
+        memory.remember(self.predictor.model_id, bases, answers)
+        return found
 
     def _map(
         self,
@@ -158,8 +167,13 @@ class Estimator:
         light: SceneLight | None,
         header: tuple[int, str, str],
         sight: SurfaceSight | None = None,
+        answers: dict[int, GlossAnswer] | None = None,
     ) -> MaterialMap:
-        """Estimate all materials of a surface, given as scanned and turned upright."""
+        """Estimate all materials of a surface, given as scanned and turned upright.
+
+        ``answers`` that are known already are used; those to other materials are added.
+        """
+        answers = {} if answers is None else answers
         surface, turned = surfaces
         ids = partition.ids_of(turned.voxel_keys)
         rho_d = np.full((surface.voxel_count, 3), np.nan, np.float32)
@@ -178,10 +192,16 @@ class Estimator:
                 estimate = self._published(part, prediction, None, header)
                 rho_d[voxels], stddev[voxels] = estimate.rho_d, estimate.rho_d_stddev
             else:
-                gloss = scene.posterior(voxels)
-                explained = explain_material(light, material_id)
-                explained = dataclasses.replace(explained, posterior=gloss)
-                prediction = self.predictor.predict(part, explained)
+                if material_id in answers:
+                    prediction, gloss = answers[material_id]
+                    chosen = choose_voxels(part, self.predictor.voxels)
+                    prediction = replace(prediction, voxels=chosen)
+                else:
+                    gloss = scene.posterior(voxels)
+                    explained = explain_material(light, material_id)
+                    explained = replace(explained, posterior=gloss)
+                    prediction = self.predictor.predict(part, explained)
+                    answers[material_id] = prediction, gloss
                 found = scene.of_material(material_id, voxels, prediction, gloss)
                 estimate = self._published(part, prediction, found, header)
                 rho_d[voxels], stddev[voxels] = found.rho_d, found.rho_d_stddev

@@ -21,6 +21,7 @@ from reflest_core.environment.known_rooms import read_known_light
 from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.material_map import MaterialMap
+from reflest_core.estimation.scan_memory import ScanMemory
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.keyframe import KeyframePolicy
@@ -28,7 +29,6 @@ from reflest_core.fusion.poses.check import PoseCheck, PoseReport
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.fusion.snapshot import MOST_VOXELS
-from reflest_core.segmentation.segmenter import Segmenter
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import Partition
 
@@ -51,7 +51,7 @@ class KeyframeSnapshot:
         observation_count: of the whole scan; None where the surface is all there is.
         light_problem: why light that was known before the scan was not used, or "".
         poses: how well the scan's depth maps meet; None where none were fused.
-        segmenter: divides this scan into materials; None where it is one material.
+        memory: what is remembered of this scan's materials; None where it is one material.
     """
 
     stamp_ns: int
@@ -63,7 +63,7 @@ class KeyframeSnapshot:
     observation_count: int | None = None
     light_problem: str = ""
     poses: PoseReport | None = None
-    segmenter: Segmenter | None = None
+    memory: ScanMemory | None = None
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class Scanner:
         self.keyframes = KeyframePolicy(settings.keyframe)
         self.poses = PoseCheck()
         self._last_pose: NDArray[np.float64] | None = None
-        self._segmenter = Segmenter()
+        self._memory = ScanMemory()
 
     def fuse(self, frame: Frame) -> ScannedFrame:
         """Fuse one frame.
@@ -128,7 +128,7 @@ class Scanner:
     def _begin_after_jump(self, first: Frame, frame: Frame) -> FusedFrame:
         """Forget the surface and fuse the two frames that came since the tracker jumped."""
         self.scan.reset()
-        self._segmenter = Segmenter()
+        self._memory = ScanMemory()
         self.poses.drop_before_jump()
         with contextlib.suppress(FrameRefused):  # it was fused for what lay before the jump
             self.scan.fuse(first)
@@ -154,7 +154,7 @@ class Scanner:
             scan.observation_count,
             problem,
             self.poses.report,
-            self._segmenter if scan.region_settings.shape == "none" else None,
+            self._memory if scan.region_settings.shape == "none" else None,
         )
 
     def estimate(self, snapshot: KeyframeSnapshot) -> BrdfEstimate:
@@ -193,12 +193,12 @@ class Scanner:
             NoEstimate: Too few voxels were observed.
         """
         surface, header = snapshot.surface, (snapshot.stamp_ns, snapshot.frame_id)
-        if snapshot.segmenter is None:
+        if snapshot.memory is None:
             whole = Partition.whole(surface)
             found = self.estimator.materials(surface, whole, *header, snapshot.light_problem)
         else:
             found = self.estimator.segmented_materials(
-                surface, snapshot.segmenter, *header, snapshot.light_problem
+                surface, snapshot.memory, *header, snapshot.light_problem
             )
         materials = (
             replace(material, estimate=_with_poses(material.estimate, snapshot.poses))
@@ -220,7 +220,7 @@ class Scanner:
         """
         if region != self.scan.region_settings:
             self.scan.set_region(region)
-            self._segmenter = Segmenter()
+            self._memory = ScanMemory()
             self.keyframes.reset()
             self.poses = PoseCheck()
             self._last_pose = None
@@ -228,7 +228,7 @@ class Scanner:
     def reset(self) -> None:
         """Forget everything that was scanned."""
         self.scan.reset()
-        self._segmenter = Segmenter()
+        self._memory = ScanMemory()
         self.keyframes.reset()
         self.poses = PoseCheck()
         self._last_pose = None
@@ -276,7 +276,7 @@ class Scanner:
             scan: It belongs to this scanner from now on.
         """
         self.scan = scan
-        self._segmenter = Segmenter()
+        self._memory = ScanMemory()
         self.poses = PoseCheck()
         self.restart_clock()
         self._last_pose = None

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,7 +62,7 @@ class SceneEstimates:
         gloss_information: float,
         sight: SurfaceSight | None = None,
     ) -> None:
-        """Compute the irradiance of all voxels, and what each can say about roughness.
+        """Compute the irradiance of all voxels.
 
         Args:
             surface: the scan, +z up.
@@ -72,9 +73,12 @@ class SceneEstimates:
         """
         self._surface, self._light = surface, light
         self._gloss_voxels, self._information = gloss_voxels, gloss_information
-        self._rated = RatedSurface.of(surface, light.filled)
         self._sight = sight or _sight(surface, light)
         self._irradiance = surface_irradiance(light.completed, self._sight)[:, :3]
+
+    @cached_property
+    def _rated(self) -> RatedSurface:
+        return RatedSurface.of(self._surface, self._light.filled)
 
     def posterior(self, voxels: NDArray[np.int64]) -> GlossPosterior:
         """Compare roughnesses by a material's observations.
@@ -107,10 +111,10 @@ class SceneEstimates:
         roughness is the network's, with what the posterior adds.
 
         Args:
-            material_id: the material, of which the light has evidence.
+            material_id: the material.
             voxels: (N,) its voxels' indices, N >= 1.
             prediction: the network's.
-            gloss: the material's posterior of roughness.
+            gloss: see :meth:`posterior`.
         """
         light, joint = self._light, self._light.joint
         ward, stddev = physical_ward(prediction.ward), prediction.stddev

@@ -38,8 +38,9 @@ MOST_SAMPLED, FEWEST_EACH, MOST_EACH = 1500, 24, 192
 """Voxels of all segments together, and bounds for each."""
 EVERY = 2
 """Of the sampled observations the light is inferred from every second."""
-FIRST_TURNS, TURNS, WARM_TURNS = 8, 5, 3
-"""Gauss-Newton steps of the first round, of further rounds and from an earlier solution."""
+TURNS = 6
+"""Gauss-Newton steps from the prior. Further ones fit the heavy tails of the light's prior to what
+the model does not explain, and the same scan would give another light at every keyframe."""
 FIRST_ALBEDO = 0.2
 USUAL_ROUGHNESS = 4
 """Index into :data:`.ROUGHNESSES`, for a segment with too few observations to fit gloss."""
@@ -62,21 +63,6 @@ class SegmentGloss:
 
     rho_s: NDArray[np.float64]
     roughness: NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class JointStart:
-    """An earlier solution to begin from; see :class:`ChannelState`.
-
-    Attributes:
-        rho_d: (S, 3), NaN for segments that are new.
-        rho_s: (S,), NaN for segments that are new.
-        light: (3, 2 P).
-    """
-
-    rho_d: NDArray[np.float64]
-    rho_s: NDArray[np.float64]
-    light: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -107,18 +93,6 @@ class JointLight:
     rho_s_deviation: NDArray[np.float64]
     roughness: NDArray[np.int64]
     misfit: NDArray[np.float64]
-
-    def start(self, segments: NDArray[np.int64] | None = None) -> JointStart:
-        """Where to begin the next inference.
-
-        Args:
-            segments: (S',) the row here of each segment then, -1 for new ones; None for the same.
-        """
-        if segments is None:
-            segments = np.arange(len(self.rho_s))
-        is_new = segments < 0
-        rho_d = np.where(is_new[:, None], np.nan, self.rho_d[segments])
-        return JointStart(rho_d, np.where(is_new, np.nan, self.rho_s[segments]), self.factors)
 
     def deviation(self) -> NDArray[np.float32]:
         """(N, N, 3) standard deviation of the completed radiance at the finest resolution."""
@@ -232,15 +206,15 @@ class JointInference:
     def infer(
         self,
         gloss: SegmentGloss,
-        start: JointStart | None,
-        turns: int,
+        start: JointLight | None = None,
+        turns: int = TURNS,
         light_prior: LightPrior = BRIGHT,
     ) -> JointLight:
         """Solve for the light, and ``rho_d`` and ``rho_s`` of each segment.
 
         Args:
             gloss: ``rho_s``, a prior, and the roughness, which is kept.
-            start: where to begin.
+            start: a solution for the same segments to begin from; None begins from the prior.
             turns: Gauss-Newton steps.
             light_prior: what unseen and clipped light may hold.
         """
@@ -272,11 +246,8 @@ class JointInference:
                 np.full(len(present), FIRST_ALBEDO), gloss.rho_s[present], prior.mean
             )
             if start is not None:
-                rho_d, rho_s = start.rho_d[present, channel], start.rho_s[present]
                 state = ChannelState(
-                    np.where(np.isnan(rho_d), FIRST_ALBEDO, rho_d),
-                    np.where(np.isnan(rho_s), gloss.rho_s[present], rho_s),
-                    start.light[channel],
+                    start.rho_d[present, channel], start.rho_s[present], start.factors[channel]
                 )
             solutions.append(system.solve(state, turns, start is not None))
         factors = np.stack([one.state.light for one in solutions])

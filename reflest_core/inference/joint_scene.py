@@ -11,18 +11,14 @@ from numpy.typing import NDArray
 
 from reflest_core.inference.gloss_fit import GlossFit
 from reflest_core.inference.joint_light import (
-    FIRST_TURNS,
-    TURNS,
-    WARM_TURNS,
     JointInference,
     JointLight,
-    JointStart,
-    complete_by,
 )
 from reflest_core.inference.light_from_shading import InferredLight
 from reflest_core.inference.light_prior import DIM
 from reflest_core.inference.transport.patch_grid import PATCHES
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
+from reflest_core.light.completion import LightPyramid
 from reflest_core.light.light_map import ObservedLight
 from reflest_core.surface.diffuse_colours import diffuse_colours
 from reflest_core.surface.observed_surface import ObservedSurface
@@ -94,7 +90,7 @@ def infer_jointly(
     observed: ObservedLight,
     labels: NDArray[np.int64],
     occluders: SceneOccluders | None = None,
-    start: JointStart | None = None,
+    known: LightPyramid | None = None,
 ) -> JointScene:
     """Infer the light of a scene and the albedo of its segments.
 
@@ -103,21 +99,19 @@ def infer_jointly(
         observed: the light as it was seen.
         labels: (V,) segment 0, 1, ... of each voxel, -1 for none; one at least is observed.
         occluders: surfels of the scene; None computes them.
-        start: an earlier solution to go on from; None begins from what was seen alone.
+        known: the scene's light as it was completed before, under which gloss is fitted; None
+            begins from what was seen, and infers the light twice.
     """
     if occluders is None:
         colours = diffuse_colours(surface, np.arange(surface.voxel_count), 0.5)
         occluders = SceneOccluders.of(surface.positions, surface.normals, colours)
     inference = JointInference(surface, labels, observed, occluders)
-    if start is None:
+    if known is None:
         _, gloss = inference.gloss()
-        first = inference.infer(gloss, None, FIRST_TURNS)
-        fits, gloss = inference.gloss(first.light)
-        light = inference.infer(gloss, first.start(), TURNS)
-    else:
-        fits, gloss = inference.gloss(complete_by(observed, inference.filled, start.light))
-        light = inference.infer(gloss, start, WARM_TURNS)
-    dim = inference.infer(gloss, light.start(), DIM_TURNS, DIM)
+        known = inference.infer(gloss).light
+    fits, gloss = inference.gloss(known)
+    light = inference.infer(gloss)
+    dim = inference.infer(gloss, light, DIM_TURNS, DIM)
     return JointScene(labels, occluders, light, dim, tuple(fits))
 
 

@@ -26,7 +26,7 @@ RELATIVE, LEAST = 0.05, 0.003
 """Standard deviation of a radiance: share of itself, and in units of the sensor's white."""
 COARSE = 0.1
 """The same of what is known of a reflection, as a share of it."""
-HIDDEN = 1.0
+HIDDEN = 2.0
 """The same of what unknown light adds to a reflection: a patch is not even, and lobes are small."""
 GLOSS_SHARE, GLOSS_LEAST = 0.5, 0.02
 """Prior standard deviation of ``rho_s``: share of its first value, and at any value."""

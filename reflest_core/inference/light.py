@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,6 +67,7 @@ def infer_light(
     partition: Partition | None = None,
     has_visibility: bool = True,
     joint: JointScene | None = None,
+    evidence_of: Collection[int] | None = None,
 ) -> SceneLight:
     """Infer the light of a scene from the light that was seen and from all materials.
 
@@ -78,10 +79,11 @@ def infer_light(
             one material).
         joint: the light of the surface's segments, where it is known already; None takes each of
             several materials for a segment.
+        evidence_of: those of several materials whose evidence is gathered; None for all.
     """
     partition = Partition.whole(surface) if partition is None else partition
     if joint is not None or len(partition.ids) > 1:
-        return _infer_jointly(surface, observed, partition, joint)
+        return _infer_jointly(surface, observed, partition, joint, evidence_of)
     filled = complete(observed)
     parts = LightParts.of(observed, filled)
     occluders = scene_occluders(surface, has_visibility)
@@ -103,6 +105,7 @@ def _infer_jointly(
     observed: ObservedLight,
     partition: Partition,
     joint: JointScene | None,
+    evidence_of: Collection[int] | None,
 ) -> SceneLight:
     ids = partition.ids_of(surface.voxel_keys)
     if joint is None:
@@ -112,7 +115,8 @@ def _infer_jointly(
     evidence, inferred = {}, {}
     for material_id, part in partition.parts(surface):
         if part.observation_counts.any():
-            evidence[material_id] = material_evidence(part, filled, joint.occluders)
+            if evidence_of is None or material_id in evidence_of:
+                evidence[material_id] = material_evidence(part, filled, joint.occluders)
             bright, dim = joint.of_voxels(np.flatnonzero(ids == material_id))
             inferred[material_id] = (bright, bright, dim)
     light = joint.light.light

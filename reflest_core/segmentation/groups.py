@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 
 from reflest_core.segmentation.graph import find_root, renumbered
 
-SMOOTH = 0.35
+INERTIA = 1.5
+"""Factor on all limits in favour of the earlier division."""
+SMOOTH = 0.25
 """Mean distance of unit normals across a border, up to which two segments are one surface."""
 SHORTEST = 8
 """Pairs of voxels of the shortest border."""
@@ -82,6 +84,7 @@ def gloss_groups(
     sizes: NDArray[np.int64],
     log_likelihood: NDArray[np.float64],
     lab: NDArray[np.float64],
+    before: NDArray[np.int64] | None = None,
 ) -> NDArray[np.int64]:
     """Join segments into materials.
 
@@ -91,15 +94,19 @@ def gloss_groups(
         log_likelihood: (S, K) of each segment's observations under each roughness; equal values
             where they hold no information.
         lab: (S, 3) each segment's L / 2, a, b.
+        before: (S,) the material that most of each segment had in an earlier division, -1 for new
+            ones: what was together tends to stay together, and what was apart, apart.
 
     Returns:
         (S,) the material 0, 1, ... of each segment, by first segments.
     """
     segments = len(log_likelihood)
+    before = np.full(segments, -1) if before is None else before
     lengths = {
         (a, b): length / borders.neighbours
         for (a, b), length in zip(borders.segments.tolist(), borders.lengths.tolist(), strict=True)
     }
+    judge = _Judge(lengths, sizes, log_likelihood, lab, before)
     surface = np.arange(segments)
     for (a, b), length, bend in zip(borders.segments, borders.lengths, borders.bends, strict=True):
         if length >= SHORTEST and bend <= SMOOTH:
@@ -107,59 +114,70 @@ def gloss_groups(
     surface = np.array([find_root(surface, k) for k in range(segments)], np.int64)
     material = np.arange(segments)
     for members in (np.flatnonzero(surface == root) for root in np.unique(surface)):
-        for group in _grouped(members.tolist(), lengths, sizes, log_likelihood, lab):
+        for group in judge.grouped(members.tolist()):
             material[group] = min(group)
     return renumbered(material)
 
 
-def _grouped(
-    members: list[int],
-    lengths: dict[tuple[int, int], float],
-    sizes: NDArray[np.int64],
-    log_likelihood: NDArray[np.float64],
-    lab: NDArray[np.float64],
-) -> list[list[int]]:
-    """The materials of one smooth surface's segments."""
-    groups: list[list[int]] = []
-    for segment in sorted(members, key=lambda member: (-sizes[member], member)):
-        for group in groups:
-            is_alike = np.linalg.norm(lab[segment] - lab[group[0]]) <= SAME_COLOUR
-            if is_alike and _agree(log_likelihood, group, [segment]):
-                group.append(segment)
-                break
-        else:
-            groups.append([segment])
-    merged = True
-    while merged:
-        merged = False
-        for a, b in itertools.combinations(range(len(groups)), 2):
-            first, second = groups[a], groups[b]
-            if _alternate(first, second, lengths, sizes) and _agree(log_likelihood, first, second):
-                first.extend(second)
-                del groups[b]
-                merged = True
-                break
-    return groups
+@dataclass(frozen=True)
+class _Judge:
+    """Decides which segments of one smooth surface are one material."""
 
+    lengths: dict[tuple[int, int], float]
+    sizes: NDArray[np.int64]
+    log_likelihood: NDArray[np.float64]
+    lab: NDArray[np.float64]
+    before: NDArray[np.int64]
 
-def _agree(log_likelihood: NDArray[np.float64], first: list[int], second: list[int]) -> bool:
-    """Whether one roughness for both loses little."""
-    a, b = log_likelihood[first].sum(axis=0), log_likelihood[second].sum(axis=0)
-    return bool(a.max() + b.max() - (a + b).max() <= DISAGREEMENT)
+    def grouped(self, members: list[int]) -> list[list[int]]:
+        """Divide segments into materials: first by colour, the largest first, then by texture."""
+        groups: list[list[int]] = []
+        for segment in sorted(members, key=lambda member: (-self.sizes[member], member)):
+            for group in groups:
+                if self._is_alike(group, [segment]) and self._agree(group, [segment]):
+                    group.append(segment)
+                    break
+            else:
+                groups.append([segment])
+        merged = True
+        while merged:
+            merged = False
+            for a, b in itertools.combinations(range(len(groups)), 2):
+                first, second = groups[a], groups[b]
+                if self._alternate(first, second) and self._agree(first, second):
+                    first.extend(second)
+                    del groups[b]
+                    merged = True
+                    break
+        return groups
 
+    def _lenience(self, first: list[int], second: list[int]) -> float:
+        a, b = self.before[first[0]], self.before[second[0]]
+        if a < 0 or b < 0:
+            return 1.0
+        return INERTIA if a == b else 1.0 / INERTIA
 
-def _alternate(
-    first: list[int],
-    second: list[int],
-    lengths: dict[tuple[int, int], float],
-    sizes: NDArray[np.int64],
-) -> bool:
-    """Whether two groups of segments are side by side again and again."""
-    between = np.array([[lengths.get((min(a, b), max(a, b)), 0) for b in second] for a in first])
-    smaller, larger = sorted((int(sizes[first].sum()), int(sizes[second].sum())))
-    is_fine = smaller >= EVEN * larger and between.sum() >= INTERLEAVED * math.sqrt(smaller)
-    many, of_many = (between, first) if len(first) >= len(second) else (between.T, second)
-    touches = many.any(axis=1)
-    touching = sizes[of_many][touches].sum() / max(int(sizes[of_many].sum()), 1)
-    recurs = touches.sum() + min(len(first), len(second)) >= RECURRING and touching >= TOUCHING
-    return bool(is_fine or recurs)
+    def _is_alike(self, first: list[int], second: list[int]) -> bool:
+        distance = float(np.linalg.norm(self.lab[first[0]] - self.lab[second[0]]))
+        return distance <= SAME_COLOUR * self._lenience(first, second)
+
+    def _agree(self, first: list[int], second: list[int]) -> bool:
+        """Whether one roughness for both loses little."""
+        a, b = (self.log_likelihood[group].sum(axis=0) for group in (first, second))
+        loss = float(a.max() + b.max() - (a + b).max())
+        return loss <= DISAGREEMENT * self._lenience(first, second)
+
+    def _alternate(self, first: list[int], second: list[int]) -> bool:
+        """Whether two groups of segments are side by side again and again."""
+        between = np.array(
+            [[self.lengths.get((min(a, b), max(a, b)), 0.0) for b in second] for a in first]
+        )
+        sizes, lenience = self.sizes, self._lenience(first, second)
+        smaller, larger = sorted((int(sizes[first].sum()), int(sizes[second].sum())))
+        is_even = smaller * lenience >= EVEN * larger
+        is_fine = between.sum() * lenience >= INTERLEAVED * math.sqrt(smaller)
+        many, of_many = (between, first) if len(first) >= len(second) else (between.T, second)
+        touches = many.any(axis=1)
+        touching = sizes[of_many][touches].sum() / max(int(sizes[of_many].sum()), 1)
+        recurs = int(touches.sum()) + min(len(first), len(second)) >= RECURRING / lenience
+        return bool((is_even and is_fine) or (recurs and touching * lenience >= TOUCHING))

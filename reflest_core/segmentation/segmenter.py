@@ -21,14 +21,11 @@ from reflest_core.segmentation.adjacency import neighbour_pairs
 from reflest_core.segmentation.features import LIGHTNESS
 from reflest_core.segmentation.groups import Borders, gloss_groups
 from reflest_core.segmentation.identity import MaterialIds
-from reflest_core.segmentation.segments import COARSE, FINE, segment
+from reflest_core.segmentation.segments import COARSE, FINE, SegmentSize, segment
 from reflest_core.segmentation.statistics import voxel_colours
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import Partition
 from reflest_core.surface.selection import keep_voxels
-
-GROWN = 1.3
-"""The light is inferred from scratch again when the scan has so many times the voxels."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +48,17 @@ class SegmentedScene:
     irradiance: NDArray[np.float32]
     segment_ids: NDArray[np.int64]
 
+    def bases(self) -> dict[int, tuple[float, ...]]:
+        """What is known of each material, by id: voxels, observations, mean irradiance (3)."""
+        ids = self.partition.ids_of(self.surface.voxel_keys)
+        counts = self.surface.observation_counts
+        found = {}
+        for material_id in self.partition.ids:
+            voxels = np.flatnonzero(ids == material_id)
+            light = self.irradiance[voxels].mean(axis=0, dtype=np.float64)
+            found[material_id] = (float(len(voxels)), float(counts[voxels].sum()), *light.tolist())
+        return found
+
 
 class Segmenter:
     """Divides a growing scan into materials, keyframe by keyframe.
@@ -61,8 +69,8 @@ class Segmenter:
     def __init__(self) -> None:
         """Begin a scan; no id was given yet."""
         self._ids = MaterialIds()
-        self._last: tuple[NDArray[np.int64], JointScene] | None = None
-        self._began_with = 0
+        self._last = np.zeros(0, np.int64), np.zeros(0, np.int64)
+        self._light: LightPyramid | None = None
 
     def segment(self, surface: ObservedSurface, observed: ObservedLight) -> SegmentedScene:
         """Divide the observed voxels of a scan into materials.
@@ -78,22 +86,22 @@ class Segmenter:
         sight = SurfaceSight.of(surface.positions, surface.normals, occluders)
         keys = surface.voxel_keys
 
-        def divided(light: LightPyramid, is_known: bool) -> NDArray[np.int64]:
-            irradiance = surface_irradiance(light, sight)[:, :3]
-            size = COARSE if is_known else FINE
-            return segment(surface.positions, surface.normals, pairs, colours, irradiance, size)
+        before, old_ids = self._before(keys)
 
-        if self._last is None or len(keys) > GROWN * self._began_with:
-            self._began_with = len(keys)
-            fine = divided(complete(observed), is_known=False)
-            self._last = keys, infer_jointly(surface, observed, fine, occluders)
-        last_keys, last = self._last
-        labels = divided(last.light.light, is_known=True)
-        start = last.light.start(_counterparts(last_keys, last.labels, keys, labels))
-        joint = infer_jointly(surface, observed, labels, occluders, start)
-        self._last = keys, joint
+        def divided(light: LightPyramid, size: SegmentSize) -> NDArray[np.int64]:
+            irradiance = surface_irradiance(light, sight)[:, :3]
+            places = surface.positions, surface.normals, pairs
+            return segment(*places, colours, irradiance, size, before)
+
+        known = self._light
+        if known is None:
+            fine = divided(complete(observed), FINE)
+            known = infer_jointly(surface, observed, fine, occluders).light.light
+        labels = divided(known, COARSE)
+        joint = infer_jointly(surface, observed, labels, occluders, known)
+        self._last, self._light = (keys, labels), joint.light.light
         irradiance = surface_irradiance(joint.light.light, sight)[:, :3]
-        groups = _groups(surface, pairs, joint)
+        groups = _groups(surface, pairs, joint, _majority(labels, old_ids))
         ids = self._ids.match(keys, groups[labels])
         return SegmentedScene(
             surface,
@@ -103,6 +111,11 @@ class Segmenter:
             irradiance,
             ids[groups],
         )
+
+    def _before(self, keys: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """(V,) the segment and (V,) the id that each voxel had, -1 for new ones."""
+        ids = _looked_up(self._ids.keys, self._ids.ids, keys)
+        return _looked_up(*self._last, keys), ids
 
 
 def in_key_order(surface: ObservedSurface) -> ObservedSurface:
@@ -118,24 +131,33 @@ def in_key_order(surface: ObservedSurface) -> ObservedSurface:
     return keep_voxels(surface, order)
 
 
-def _counterparts(
-    last_keys: NDArray[np.int64],
-    last_labels: NDArray[np.int64],
-    keys: NDArray[np.int64],
-    labels: NDArray[np.int64],
+def _looked_up(
+    keys: NDArray[np.int64], values: NDArray[np.int64], wanted: NDArray[np.int64]
 ) -> NDArray[np.int64]:
-    """(S,) the earlier segment with which each one has most voxels in common, -1 if with none."""
-    place = np.minimum(np.searchsorted(last_keys, keys), len(last_keys) - 1)
-    common = np.flatnonzero((last_keys[place] == keys) & (last_labels[place] >= 0))
-    overlaps = np.zeros((int(labels.max()) + 1, int(last_labels.max()) + 1), np.int64)
-    np.add.at(overlaps, (labels[common], last_labels[place[common]]), 1)
-    return np.where(overlaps.any(axis=1), overlaps.argmax(axis=1), -1)
+    """The values of ``wanted`` keys by rising ``keys``; -1 for those that are not there."""
+    if not len(keys):
+        return np.full(len(wanted), -1)
+    place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+    return np.where(keys[place] == wanted, values[place], -1)
+
+
+def _majority(labels: NDArray[np.int64], ids: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(S,) the id that most voxels of each segment had; -1 where none had one."""
+    found = np.full(int(labels.max()) + 1, -1)
+    has_id = ids >= 0
+    codes, counts = np.unique(
+        np.stack([labels[has_id], ids[has_id]], axis=1), axis=0, return_counts=True
+    )
+    for row in np.argsort(counts, kind="stable"):
+        found[codes[row, 0]] = codes[row, 1]
+    return found
 
 
 def _groups(
     surface: ObservedSurface,
     pairs: NDArray[np.int32],
     joint: JointScene,
+    before: NDArray[np.int64],
 ) -> NDArray[np.int64]:
     """(S,) the material of each segment."""
     borders = Borders.of(joint.labels, pairs, surface.normals)
@@ -143,7 +165,7 @@ def _groups(
     lab = rgb_to_lab(np.clip(np.nan_to_num(joint.light.rho_d), 0.0, 1.0))
     lab[:, 0] *= LIGHTNESS
     sizes = np.bincount(joint.labels, minlength=len(lab))
-    return gloss_groups(borders, sizes, log_likelihood, lab)
+    return gloss_groups(borders, sizes, log_likelihood, lab, before)
 
 
 def _log_likelihood(fit: GlossFit | None) -> NDArray[np.float64]:

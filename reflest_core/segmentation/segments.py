@@ -28,6 +28,9 @@ class SegmentSize:
     least: int
 
 
+INERTIA = 1.5
+"""Factor by which differences count for more between voxels of different earlier segments, and for
+less within one."""
 MOST_SEGMENTS = 256
 """Where there are more, the smallest are joined to others."""
 FINE = SegmentSize(60.0, 60)
@@ -43,6 +46,7 @@ def segment(
     colours: VoxelColours,
     irradiance: NDArray[np.float32],
     size: SegmentSize = COARSE,
+    before: NDArray[np.int64] | None = None,
 ) -> NDArray[np.int64]:
     """Divide a surface into segments. Under-segmentation costs more than over-segmentation.
 
@@ -56,15 +60,23 @@ def segment(
         colours: quantiles over the views, linear.
         irradiance: (V, 3) ``E / pi``, linear, in the colours' units.
         size: how large segments grow.
+        before: (V,) the segment that each voxel had in an earlier division, -1 for new voxels: what
+            was together tends to stay together, and what was apart, apart.
 
     Returns:
         (V,) labels 0, 1, ... in the order of the segments' first voxels.
     """
     features = voxel_features(positions, normals, pairs, colours, irradiance)
-    pieces = graph_segments(pairs, features.differences, len(positions), size.scale)
+    differences = features.differences
+    if before is not None:
+        first, second = before[pairs[:, 0]], before[pairs[:, 1]]
+        is_known = (first >= 0) & (second >= 0)
+        factor = np.where(first == second, 1.0 / INERTIA, INERTIA)
+        differences = differences * np.where(is_known, factor, 1.0).astype(np.float32)
+    pieces = graph_segments(pairs, differences, len(positions), size.scale)
 
     def attached(least: int) -> NDArray[np.int64]:
-        return attach_scraps(pieces, pairs, features.differences, positions, features.values, least)
+        return attach_scraps(pieces, pairs, differences, positions, features.values, least)
 
     labels = attached(size.least)
     counts = np.sort(np.bincount(labels))[::-1]

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from reflest_core.estimation.estimator import Estimator, NoEstimate
+from reflest_core.estimation.scan_memory import ScanMemory
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.light.turned_light import turned_light
-from reflest_core.segmentation.segmenter import Segmenter
 from reflest_core.surface.selection import keep_voxels
 from test.core.lit_table import MATERIALS, Material, lit_table
 
@@ -28,9 +28,9 @@ def table():
     )
 
 
-def mapped(surface, segmenter=None, settings=SETTINGS):
-    segmenter = segmenter or Segmenter()
-    return Estimator(settings).segmented_materials(surface, segmenter, 5, "camera")
+def mapped(surface, memory=None, settings=SETTINGS):
+    memory = memory or ScanMemory()
+    return Estimator(settings).segmented_materials(surface, memory, 5, "camera")
 
 
 @pytest.fixture(scope="module")
@@ -89,10 +89,10 @@ def test_the_order_of_the_voxels_does_not_matter(table, found):
 
 
 def test_ids_stay_while_the_scan_grows(table):
-    segmenter = Segmenter()
+    memory = ScanMemory()
     half = keep_voxels(table.surface, np.flatnonzero(table.surface.positions[:, 0] > -0.02))
-    first = mapped(half, segmenter)
-    second = mapped(table.surface, segmenter)
+    first = mapped(half, memory)
+    second = mapped(table.surface, memory)
     common = second.partition.ids_of(first.partition.keys)
     assert (common == first.partition.material_ids).mean() > 0.95
 
@@ -145,3 +145,27 @@ def test_a_scan_without_light_has_materials_too(table):
 def test_too_few_voxels_have_no_materials(table):
     with pytest.raises(NoEstimate):
         mapped(keep_voxels(table.surface, np.arange(3)))
+
+
+def test_a_scan_that_does_not_change_is_not_answered_again(table, found):
+    memory = ScanMemory()
+    mapped(table.surface, memory)
+    first = mapped(table.surface, memory)  # by now the light has settled
+    answers = dict(memory.answers)
+    again = mapped(table.surface, memory)
+    assert [material.id for material in again.materials] == [m.id for m in first.materials]
+    kept = [memory.answers[k] is answers[k] for k in memory.answers if k in answers]
+    assert all(kept)
+    assert len(kept) == len(first.materials)
+    # The light goes on from where it was, and moves less than it is unsure.
+    moved = np.abs(again.rho_d - first.rho_d) / first.rho_d_stddev
+    assert np.median(moved) < 0.3
+
+
+def test_another_network_forgets_the_answers_of_the_one_before(table):
+    memory = ScanMemory()
+    mapped(table.surface, memory)
+    grouplet = dataclasses.replace(SETTINGS, model="grouplet-fast")
+    mapped(table.surface, memory, grouplet)
+    assert memory.model_id.startswith("grouplet-fast")
+    assert memory.answers == {}
