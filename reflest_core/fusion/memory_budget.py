@@ -10,8 +10,14 @@ fused and snapshots are not in the budget, but bounded too (``WORKING_MB``).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
+from numpy.typing import NDArray
+
+from reflest_core.errors import ReflestError
 from reflest_core.fusion.observations.observation_chunks import BYTES_PER_CHUNK, CHUNK
 from reflest_core.fusion.observations.observation_store import BYTES_PER_VOXEL
 from reflest_core.fusion.observations.views import BYTES_PER_VIEW, VIEW_CAPACITY
@@ -29,6 +35,10 @@ OBSERVATIONS_PER_VOXEL = 24
 """For which there is room on average; some voxels have more and others less."""
 
 
+class MemoryBudgetError(ReflestError):
+    """The machine cannot give what ``memory_budget_mb`` asks for, or a scan needs more."""
+
+
 @dataclass(frozen=True)
 class MemoryBudget:
     """Capacities whose arrays together never pass the budget.
@@ -38,12 +48,14 @@ class MemoryBudget:
         voxels: Rows of the observation store.
         chunks: Chunks of observations.
         views: Rows of the view table.
+        megabytes: The budget, 10^6 bytes.
     """
 
     blocks: int
     voxels: int
     chunks: int
     views: int
+    megabytes: float
 
     @classmethod
     def from_settings(cls, settings: FusionSettings) -> MemoryBudget:
@@ -61,4 +73,26 @@ class MemoryBudget:
         row = BYTES_PER_VOXEL + BYTES_PER_CHUNK * chunks
         blocks = budget // (BYTES_PER_BLOCK + SURFACE_VOXELS_PER_BLOCK * row)
         voxels = blocks * SURFACE_VOXELS_PER_BLOCK
-        return cls(blocks, voxels, voxels * chunks, VIEW_CAPACITY)
+        return cls(blocks, voxels, voxels * chunks, VIEW_CAPACITY, settings.memory_budget_mb)
+
+    def check_room(self, path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Check that a saved scan fits.
+
+        Args:
+            path: The scan's file, for the message.
+            arrays: The scan's arrays by name.
+
+        Raises:
+            MemoryBudgetError: It does not fit.
+        """
+        for name, room in (
+            ("volume_keys", self.blocks),
+            ("store_keys", self.voxels),
+            ("chunks_after", self.chunks),
+            ("views_order", self.views),
+        ):
+            if len(arrays[name]) > room:
+                raise MemoryBudgetError(
+                    f"the scan in {path} does not fit memory_budget_mb = {self.megabytes:g} MB: "
+                    "raise it, and restart the node if it is a node's"
+                )

@@ -5,25 +5,21 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
-from reflest_core.capture.refusal import FrameRefused, RefusalCause
-from reflest_core.errors import ReflestError
 from reflest_core.fusion.frames.background_light import background_pixels, sampling_step
 from reflest_core.fusion.frames.foreground import classify_pixels
 from reflest_core.fusion.frames.region import Region, RegionShape
-from reflest_core.fusion.frames.sight import KnownSurface, refusal_without_surface
+from reflest_core.fusion.frames.sight import KnownSurface, check_stamp, refusal_without_surface
 from reflest_core.fusion.frames.visibility import visible_voxels
 from reflest_core.fusion.frames.window import cropped, object_window
 from reflest_core.fusion.frames.work_sphere import WorkSphere, without_holes
 from reflest_core.fusion.fused_frame import FusedFrame
-from reflest_core.fusion.memory_budget import MemoryBudget
+from reflest_core.fusion.memory_budget import MemoryBudget, MemoryBudgetError
 from reflest_core.fusion.observations.colour_statistics import foreground_background_means
 from reflest_core.fusion.observations.exposure import surface_shifts
 from reflest_core.fusion.observations.observation_chunks import ChunkPool
@@ -41,10 +37,6 @@ from reflest_core.surface.observed_surface import ObservedSurface
 
 NEW_SURFACE_SHARE = 0.2
 """A frame near a stored view is a new view if more than this share of what it sees is new."""
-
-
-class MemoryBudgetError(ReflestError):
-    """The machine cannot give what ``memory_budget_mb`` asks for."""
 
 
 class Scan:
@@ -97,8 +89,7 @@ class Scan:
         self.work_sphere = WorkSphere()
         self.frame_number = 0
         self.last_stamp_ns: int | None = None
-        self.frame_id = ""
-        self.world_frame_id = ""
+        self.frame_id, self.world_frame_id = "", ""
         self._clock_ns: int | None = None
 
     def set_region(self, region: RegionSettings) -> None:
@@ -130,17 +121,12 @@ class Scan:
             FrameRefused: ``TIME_BACKWARDS``, ``DEPTH_EMPTY`` or ``NO_OVERLAP``; nothing has
                 changed.
         """
-        if self._clock_ns is not None and frame.stamp_ns <= self._clock_ns:
-            raise FrameRefused(
-                RefusalCause.TIME_BACKWARDS,
-                f"the image stamp {frame.stamp_ns} ns is not after the last fused one "
-                f"({self._clock_ns} ns): reset the scan if the clock or the bag was restarted",
-            )
+        check_stamp(frame, self._clock_ns)
         whole, sphere, region = frame, self.work_sphere, self.region
-        if self._is_scene(whole):
-            sphere = sphere.updated(whole, self.fusion)
+        if self._is_scene(frame):
+            sphere = sphere.updated(frame, self.fusion)
             region = sphere.region(self.fusion)
-        window = object_window(whole, region)
+        window = object_window(frame, region)
         frame = cropped(whole, window)
         pixels = classify_pixels(frame, region, self.fusion)
         shows_surface = bool(np.any(pixels.surface))
@@ -207,7 +193,9 @@ class Scan:
             )
             view = self._add_view(frame, foreground, background) if is_new_view else int(near[0])
             self.views.frames[view] += 1
-            kept = self.store.observe(rows[unseen], colours[unseen], view, self.views.centres)
+            kept = self.store.observe(
+                rows[unseen], colours[unseen], view, self.views.centres, threads
+            )
         return dataclasses.replace(
             fused,
             view=view,
@@ -238,28 +226,27 @@ class Scan:
             rows: (R,) rows of the store that the frame sees.
             colours: (R, 3) 8-bit sRGB, their colours in this frame.
         """
+        centre, radius = self._light_centre(frame, KnownSurface(positions))
         if self._is_scene(frame):
-            centre = np.array(self.work_sphere.centre)
-            radius = self.work_sphere.radius(self.fusion)
             is_foreground = without_holes(frame.depth, is_foreground, sampling_step(frame))
-        else:
-            centre = positions.mean(axis=0, dtype=np.float64)
-            radius = float(np.sqrt(positions.var(axis=0, dtype=np.float64).sum()))
         self.light.add_frame(
             *background_pixels(frame, is_foreground, frame.depth, centre, radius),
             lambda: surface_shifts(self.store, self.views, rows, colours, frame.camera_centre),
         )
 
+    def _light_centre(
+        self, frame: Frame, surface: KnownSurface
+    ) -> tuple[NDArray[np.float64], float]:
+        """From where directions of light count, and how far from there what gives light is."""
+        if self._is_scene(frame):
+            return np.array(self.work_sphere.centre), self.work_sphere.radius(self.fusion)
+        return surface.centre, surface.radius
+
     def _fuse_light(self, frame: Frame) -> FusedFrame:
         """Keep what a frame beside the surface shows of the light that falls on it."""
         nothing = np.zeros(frame.depth.shape, np.bool_)
-        if self._is_scene(frame):
-            centre = np.array(self.work_sphere.centre)
-            radius = self.work_sphere.radius(self.fusion)
-        else:
-            known = self._known_surface()
-            centre, radius = known.centre, known.radius
-        self.light.add_frame(*background_pixels(frame, nothing, frame.depth, centre, radius))
+        towards = self._light_centre(frame, self._known_surface())
+        self.light.add_frame(*background_pixels(frame, nothing, frame.depth, *towards))
         return FusedFrame(
             frame.stamp_ns,
             frame.frame_id,
@@ -331,7 +318,7 @@ class Scan:
                 fusion = dataclasses.replace(
                     fusion, memory_budget_mb=own.memory_budget_mb, threads=own.threads
                 )
-                _check_budget(path, fusion, arrays)
+                MemoryBudget.from_settings(fusion).check_room(path, arrays)
             check_arrays(arrays, fusion, header.frame_number)
             scan = cls(fusion, header.region)
             counts = {
@@ -411,19 +398,3 @@ class Scan:
         return self.views.put(
             frame.camera_centre, foreground, background, frame.stamp_ns, self.light.gain
         )
-
-
-def _check_budget(path: Path, fusion: FusionSettings, arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Raise :class:`MemoryBudgetError` where a saved scan does not fit the loader's budget."""
-    budget = MemoryBudget.from_settings(fusion)
-    for name, room in (
-        ("volume_keys", budget.blocks),
-        ("store_keys", budget.voxels),
-        ("chunks_after", budget.chunks),
-        ("views_order", budget.views),
-    ):
-        if len(arrays[name]) > room:
-            raise MemoryBudgetError(
-                f"the scan in {path} does not fit memory_budget_mb = {fusion.memory_budget_mb:g} "
-                "MB: raise it, and restart the node if it is a node's"
-            )

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What a frame without any surface to fuse is good for: light alone, or a refusal that says why."""
+"""What a frame that cannot be fused is good for: light alone, or a refusal that says why."""
 
 from __future__ import annotations
 
@@ -73,6 +73,24 @@ class KnownSurface:
 
 FURTHEST_LIKELY, NEAREST_LIKELY = 50.0, 0.02
 """Median depths, metres, beyond which the unit is taken to be wrong."""
+
+
+def check_stamp(frame: Frame, last_ns: int | None) -> None:
+    """Refuse a frame that is not after the last one.
+
+    Args:
+        frame: The frame.
+        last_ns: Stamp of the last fused frame, nanoseconds; None takes any.
+
+    Raises:
+        FrameRefused: ``TIME_BACKWARDS``.
+    """
+    if last_ns is not None and frame.stamp_ns <= last_ns:
+        raise FrameRefused(
+            RefusalCause.TIME_BACKWARDS,
+            f"the image stamp {frame.stamp_ns} ns is not after the last fused one "
+            f"({last_ns} ns): reset the scan if the clock or the bag was restarted",
+        )
 
 
 def refusal_without_surface(

@@ -286,6 +286,8 @@ def rows_unseen_from(
 
 @compiled
 def observe_rows(
+    start: int,
+    stop: int,
     rows: ObservationRows,
     chunks: ObservationChunks,
     slots: int,
@@ -296,9 +298,12 @@ def observe_rows(
 ) -> int:
     """Add one observation to each of some rows.
 
-    A row is full with ``slots`` observations, or with what it has if no chunk is left.
+    A row is full with ``slots`` observations, or with what it has if no chunk is left. Rows with
+    ``slots`` observations keep their chunks, so that threads may share them.
 
     Args:
+        start: First of ``selected``.
+        stop: The one after the last.
         rows: The store's rows.
         chunks: The store's chunks.
         slots: Observations that a row may have.
@@ -314,7 +319,7 @@ def observe_rows(
     old_colours = np.empty((slots, 3), np.uint8)
     views = np.empty(slots + 1, np.uint16)
     kept = 0
-    for n in range(len(selected)):
+    for n in range(start, stop):
         row = selected[n]
         count = int(rows.counts[row])
         chunk, slot = int(rows.first_chunks[row]), count

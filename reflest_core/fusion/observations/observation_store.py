@@ -269,27 +269,40 @@ class ObservationStore:
         colours: NDArray[np.uint8],
         view: int,
         view_centres: NDArray[np.float32],
+        threads: int = 1,
     ) -> int:
         """Add an observation to each of some rows.
 
         Args:
-            selected: (S,) rows.
+            selected: (S,) rows, each once.
             colours: (S, 3) 8-bit sRGB.
             view: Id of the view that observes.
             view_centres: (W, 3) camera centres of all views, world frame, metres.
+            threads: Threads that share the work on full rows, which is most of it.
 
         Returns:
             How many observations were kept.
         """
-        return observation_rows.observe_rows(
-            self.rows,
-            self.pool.chunks,
-            self.observations_per_voxel,
-            selected,
-            colours,
-            view,
-            view_centres,
-        )
+        is_full = self.rows.counts[selected] == self.observations_per_voxel
+        kept = 0
+        for part, sharing in ((~is_full, 1), (is_full, threads)):
+            rows = selected[part]
+            kept += sum(
+                share_out(
+                    sharing,
+                    len(rows),
+                    LEAST_SHARE,
+                    observation_rows.observe_rows,
+                    self.rows,
+                    self.pool.chunks,
+                    self.observations_per_voxel,
+                    rows,
+                    colours[part],
+                    view,
+                    view_centres,
+                )
+            )
+        return kept
 
     def drop_views(self, views: NDArray[np.int64]) -> None:
         """Forget every observation of some views.

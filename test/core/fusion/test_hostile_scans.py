@@ -12,7 +12,8 @@ import zipfile
 import numpy as np
 import pytest
 
-from reflest_core.fusion.scan import MemoryBudgetError, Scan
+from reflest_core.fusion.memory_budget import MemoryBudgetError
+from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.scan_file import DamagedScanError, ScanFileError
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from test.core.fusion.analytic_scene import orbit_frames

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 
-from reflest_core.fusion.scan import MemoryBudgetError, Scan
+from reflest_core.fusion.memory_budget import MemoryBudgetError
+from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from test.core.fusion.analytic_scene import OBJECT, look_at, render
 from test.core.fusion.scan_state import assert_no_ghosts

@@ -59,7 +59,10 @@ def test_a_scan_does_not_depend_on_the_number_of_threads(monkeypatch):
         monkeypatch.setattr(module, "LEAST_SHARE", 20)
     states, snapshots = [], []
     for threads in (1, 2, 3):
-        scan = Scan(FusionSettings(max_depth=1.0, threads=threads), RegionSettings())
+        scan = Scan(
+            FusionSettings(max_depth=1.0, threads=threads, observations_per_voxel=5),
+            RegionSettings(),
+        )
         for frame in orbit_frames(8):
             scan.fuse(frame)
         states.append(state_of(scan))
