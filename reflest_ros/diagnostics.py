@@ -48,6 +48,7 @@ class Diagnostics:
             settings: Limits of the warnings.
         """
         self.phase = ""
+        self._has_twin = False
         self._node = node
         self._settings = settings
         self._watched: _Watched | None = None
@@ -89,9 +90,27 @@ class Diagnostics:
                 status.level = DiagnosticStatus.WARN
                 status.message = "; ".join(warnings)
             status.values = [KeyValue(key=k, value=v) for k, v in self._values(watched).items()]
+        if twin := self._twin_problem():
+            status.level = DiagnosticStatus.WARN
+            status.message = f"{twin}; {status.message}"
         array = DiagnosticArray(status=[status])
         array.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(array)
+
+    def _twin_problem(self) -> str:
+        """A sentence about another node of the same name, or ""; logged when it appears."""
+        own = (self._node.get_name(), self._node.get_namespace())
+        problem = ""
+        if self._node.get_node_names_and_namespaces().count(own) > 1:
+            name = self._node.get_fully_qualified_name()
+            problem = (
+                f"another node is named {name} too, and either may answer: start one with "
+                "another name (-r __node:=NAME) or namespace"
+            )
+            if not self._has_twin:
+                self._node.get_logger().warning(problem)
+        self._has_twin = bool(problem)
+        return problem
 
     def _values(self, watched: _Watched) -> dict[str, str]:
         session = watched.session

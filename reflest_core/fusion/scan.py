@@ -14,7 +14,12 @@ from reflest_core.capture.frame import Frame
 from reflest_core.fusion.frames.background_light import background_pixels, sampling_step
 from reflest_core.fusion.frames.foreground import classify_pixels
 from reflest_core.fusion.frames.region import Region, RegionShape
-from reflest_core.fusion.frames.sight import KnownSurface, check_stamp, refusal_without_surface
+from reflest_core.fusion.frames.sight import (
+    KnownSurface,
+    check_reach,
+    check_stamp,
+    refusal_without_surface,
+)
 from reflest_core.fusion.frames.visibility import visible_voxels
 from reflest_core.fusion.frames.window import cropped, object_window
 from reflest_core.fusion.frames.work_sphere import WorkSphere, without_holes
@@ -118,10 +123,11 @@ class Scan:
             What became of the frame.
 
         Raises:
-            FrameRefused: ``TIME_BACKWARDS``, ``DEPTH_EMPTY`` or ``NO_OVERLAP``; nothing has
-                changed.
+            FrameRefused: ``TIME_BACKWARDS``, ``POSE_INVALID``, ``DEPTH_EMPTY`` or ``NO_OVERLAP``;
+                nothing has changed.
         """
         check_stamp(frame, self._clock_ns)
+        check_reach(frame, self.fusion)
         whole, sphere, region = frame, self.work_sphere, self.region
         if self._is_scene(frame):
             sphere = sphere.updated(frame, self.fusion)

@@ -102,3 +102,13 @@ def test_recent_counts_forget_what_is_older_than_the_window():
     assert counts.increase("b") == counts.increase("unknown") == 0
     counts.sample(10.0, {"a": 270, "b": 7, "c": 2})
     assert counts.increase("c") == 2
+
+
+def test_two_nodes_of_one_name_are_named(start):
+    arguments = ("--ros-args", "-r", "__ns:=/twins", "-p", "lifecycle.autostart:=false")
+    first = start("reflest_ros.estimator", *arguments)
+    first.wait_for_line("waiting to be configured")
+    assert not first.lines_with("another node is named")
+    second = start("reflest_ros.estimator", *arguments)
+    for node in (first, second):
+        assert "/twins/reflest_estimator" in node.wait_for_line("another node is named")

@@ -13,6 +13,7 @@ from reflest_core.capture.frame import Frame
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.fusion.frames.region import Region
 from reflest_core.fusion.settings import FusionSettings
+from reflest_core.surface.voxel_key import VOXEL_LIMIT
 
 MOST_POSITIONS = 4096
 """Voxels at most that stand for the surface."""
@@ -73,6 +74,27 @@ class KnownSurface:
 
 FURTHEST_LIKELY, NEAREST_LIKELY = 50.0, 0.02
 """Median depths, metres, beyond which the unit is taken to be wrong."""
+
+
+def check_reach(frame: Frame, settings: FusionSettings) -> None:
+    """Refuse a frame that is farther away than the keys of voxels reach.
+
+    Args:
+        frame: The frame.
+        settings: Of the scan.
+
+    Raises:
+        FrameRefused: ``POSE_INVALID``, with the distance.
+    """
+    limit = VOXEL_LIMIT * settings.voxel_size - settings.max_depth
+    away = float(np.abs(frame.camera_centre).max())
+    if away > limit:
+        raise FrameRefused(
+            RefusalCause.POSE_INVALID,
+            f"the camera is {away / 1000:.1f} km from the origin of the world frame, and voxels of "
+            f"{settings.voxel_size:g} m reach {limit / 1000:.1f} km: give poses in a local frame "
+            "(such as odom) instead of a map grid like UTM, or raise fusion.voxel_size",
+        )
 
 
 def check_stamp(frame: Frame, last_ns: int | None) -> None:

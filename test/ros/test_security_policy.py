@@ -1,0 +1,37 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The policy allows what the node uses, all of it and nothing else."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from xml.etree import ElementTree
+
+from own_process import ROOT
+
+FILE = ROOT / "config" / "sros2_policy.xml"
+
+
+def test_the_policy_is_up_to_date(domain_id):
+    done = subprocess.run(
+        [sys.executable, "-m", "reflest_ros.security_policy"],
+        cwd=ROOT,
+        env={**os.environ, "ROS_DOMAIN_ID": str(domain_id)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout == FILE.read_text(), (
+        "run python -m reflest_ros.security_policy > config/sros2_policy.xml"
+    )
+
+
+def test_every_service_of_the_node_is_in_the_policy(node, peer):
+    """As the graph shows them: no service hides in another node."""
+    peer.wait_until(lambda: peer.state == "scanning", "the node is not discovered")
+    peer.wait_until(lambda: peer.has_service("estimate"), "its services are not discovered")
+    graph = peer._node.get_service_names_and_types_by_node("reflest_estimator", "/")
+    allowed = {one.text for one in ElementTree.parse(FILE).iter("service")}
+    assert {name.removeprefix("/") for name, _ in graph} == allowed
