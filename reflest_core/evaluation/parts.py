@@ -186,7 +186,8 @@ def _stability(study: Study) -> Figures:
 
 
 def _materials(study: Study) -> Figures:
-    return measure_materials(find_tables(study.settings.data), study.settings.limit)
+    settings = study.settings
+    return measure_materials(find_tables(settings.data), settings.limit, settings.environments)
 
 
 def _time_accuracy(study: Study) -> Figures:

@@ -62,6 +62,17 @@ def materials(record: Record) -> Lines:
         f"voxels keep their material's id, and {percent(record['small_steps'])} of the materials",
         "change by less than a stated deviation.",
         "",
+        *_light(record),
         *table([*header, "z, one material", "CPU s"], rows),
+        "",
+    ]
+
+
+def _light(record: Record) -> Lines:
+    if record["irradiance"] is None:
+        return []
+    return [
+        "Irradiance of the inferred light on surfaces that face up, RMS of the log of its ratio to",
+        f"the truth, mean over the scenes under a distant light: {record['irradiance']:.2f}.",
         "",
     ]

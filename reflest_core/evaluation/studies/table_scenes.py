@@ -18,8 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from reflest_core.brdf.lab import luminance
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.capture.refusal import FrameRefused
+from reflest_core.environment.environment_map import from_octahedral
 from reflest_core.estimation.estimator import NoEstimate
 from reflest_core.estimation.material_map import MaterialMap
 from reflest_core.estimation.scanner import Scanner
@@ -32,11 +34,15 @@ from reflest_core.evaluation.statistics.material_clouds import (
     read_cloud,
 )
 from reflest_core.export.material_ply import material_vertices
+from reflest_core.rendering.environments import irradiance
 from reflest_core.surface.partition import Partition
+from reflest_core.synbrdf.lights.environments import find_environments, load_environment, rotated
 
 TRUTH = "truth.ply"
 EVERY_VOXEL = 1 << 24
 """More voxels than a scan's memory budget holds."""
+NORMALS = 200
+"""Directions that the irradiance is compared on."""
 MEANS = ("z", "rmse", "log_rho_d", "ari", "balanced_ari", "purity", "completeness", "matched")
 
 
@@ -57,20 +63,25 @@ def find_tables(folder: Path) -> list[Path]:
     return found
 
 
-def measure_materials(scenes: list[Path], limit: int | None = None) -> dict[str, Any]:
+def measure_materials(
+    scenes: list[Path], limit: int | None = None, environments: Path | None = None
+) -> dict[str, Any]:
     """Replay every scene and compare its materials with the truth.
 
     Args:
         scenes: Folders of bags with a truth.
         limit: Only the first so many; None for all.
+        environments: The environments that the scenes were generated with, for the error of the
+            light; None leaves it out.
 
     Returns:
         The record of the part ``materials``: a row for each scene, and means over the scenes.
     """
     rows = []
     for scene in tqdm(scenes[:limit], desc="scenes", unit="scene", leave=False):
-        rows.append(_measure(scene))
+        rows.append(_measure(scene, environments))
     whole = [row["whole"] for row in rows]
+    known = [row["irradiance"] for row in rows if row["irradiance"] is not None]
     found = [row["materials"] for row in rows]
     return {
         "scenes": len(rows),
@@ -79,14 +90,15 @@ def measure_materials(scenes: list[Path], limit: int | None = None) -> dict[str,
             "whole": {name: float(np.mean([one[name] for one in whole])) for name in MEANS},
         },
         "inside": np.nanmean([one["inside"] for one in found], axis=0).tolist(),
+        "irradiance": None if not known else float(np.mean(known)),
         "kept": _mean([row["kept"] for row in rows]),
         "small_steps": _mean([row["small_steps"] for row in rows]),
         "rows": rows,
     }
 
 
-def _measure(scene: Path) -> dict[str, Any]:
-    truth = read_cloud(scene / TRUTH)
+def _measure(scene: Path, environments: Path | None) -> dict[str, Any]:
+    truth, card = read_cloud(scene / TRUTH), _card(scene)
     scanner = Scanner(ReflestSettings())
     maps = []
     capture = open_capture(scene)
@@ -112,11 +124,12 @@ def _measure(scene: Path) -> dict[str, Any]:
     ]
     return {
         "name": scene.name,
-        "setting": _setting(scene),
+        "setting": f"{card.get('setting', 'unknown')}, {card.get('light', 'unknown')} light",
         "voxels": final.surface.voxel_count,
         "cpu_seconds": seconds,
         "materials": dataclasses.asdict(_errors(final, truth)),
         "whole": dataclasses.asdict(_errors(_as_one(scanner, final), truth)),
+        "irradiance": irradiance_error(final, card, environments),
         "kept": _mean([change.kept for change in changes]),
         "small_steps": _small_steps(changes),
     }
@@ -134,12 +147,47 @@ def _as_one(scanner: Scanner, found: MaterialMap) -> MaterialMap:
     )
 
 
-def _setting(scene: Path) -> str:
+def _card(scene: Path) -> dict[str, Any]:
+    path = scene / "truth.json"
     try:
-        truth = json.loads((scene / "truth.json").read_text())
+        card: dict[str, Any] = json.loads(path.read_text())
     except (OSError, ValueError) as error:
-        raise EvaluationError(f"{scene / 'truth.json'} cannot be read ({error})") from error
-    return f"{truth.get('setting', 'unknown')}, {truth.get('light', 'unknown')} light"
+        raise EvaluationError(f"{path} cannot be read ({error})") from error
+    return card
+
+
+def irradiance_error(
+    found: MaterialMap, card: dict[str, Any], environments: Path | None
+) -> float | None:
+    """Error of the inferred light: RMS of the log ratio of irradiance on surfaces that face up.
+
+    Args:
+        found: The materials of a scan, z up.
+        card: The scene's ``truth.json``.
+        environments: The environments that the scene was generated with, or None.
+
+    Returns:
+        The error of the luminance; None without environments or under near light.
+
+    Raises:
+        EvaluationError: The scene's environment is not among them.
+    """
+    if environments is None or found.light is None or card.get("light") != "distant":
+        return None
+    sources = {source.name: source for source in find_environments(environments)}
+    if card["environment"] not in sources:
+        raise EvaluationError(
+            f"{environments} has no {card['environment']}: give the environments of the scenes"
+        )
+    radiance = load_environment(sources[card["environment"]])
+    true = rotated(radiance, card["environment_rotation"]) * np.float32(card["exposure"])
+    estimated = from_octahedral(found.light.completed.levels[0]).radiance
+    normals = np.random.default_rng(0).normal(size=(NORMALS, 3))
+    normals[:, 2] = np.abs(normals[:, 2])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    one, other = (luminance(irradiance(light, normals)) for light in (estimated, true))
+    ratio = np.log(np.maximum(one, 1e-9) / np.maximum(other, 1e-9))
+    return float(np.sqrt((ratio**2).mean()))
 
 
 def _small_steps(changes: list[Change]) -> float:

@@ -11,10 +11,18 @@ import numpy as np
 import pytest
 
 from reflest_core.cli.main import main
+from reflest_core.environment.environment_map import EnvironmentMap
 from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.evaluation.statistics.map_stability import change_between
-from reflest_core.evaluation.studies.table_scenes import find_tables
+from reflest_core.evaluation.studies.table_scenes import find_tables, irradiance_error
+from reflest_core.export.environment_file import environment_bytes
+from reflest_core.inference.light import SceneLight
+from reflest_core.light.completion import LightPyramid
+from reflest_core.light.equirectangular import radiance_from
+from reflest_core.light.octahedral import octahedral_directions
+from reflest_core.rendering.environments import studio
 from reflest_core.surface.partition import Partition
+from reflest_core.synbrdf.lights.environments import rotated
 from reflest_core.synbrdf.tabletop.truth import POINT, write_cloud
 from test.core.export.scanned_ball import RED_ID, STRIPED_ID, scanned_ball
 
@@ -84,3 +92,33 @@ def test_swapped_ids_and_moved_values_are_seen():
     assert change.kept == 0.0
     # A stated deviation of 0.01, a step of 0.03.
     assert change.steps == pytest.approx([3.0])
+
+
+def test_the_error_of_the_light_is_that_of_its_irradiance(tmp_path):
+    radiance = studio(64)
+    nothing_unseen = np.ones(radiance.shape[:2], np.float32)
+    light = EnvironmentMap(radiance, nothing_unseen, 0 * nothing_unseen)
+    (tmp_path / "studio.hdr").write_bytes(environment_bytes(light, "hdr"))
+    card = {
+        "light": "distant",
+        "environment": "studio",
+        "environment_rotation": 1.0,
+        "exposure": 2.0,
+    }
+    turned = 2.0 * rotated(radiance, 1.0)
+    known = np.zeros((96, 96, 5), np.float32)
+    known[..., :3] = radiance_from(turned, octahedral_directions(96).reshape(-1, 3)).reshape(
+        96, 96, 3
+    )
+    _, found = scanned_ball()
+
+    def error(factor):
+        pyramid = LightPyramid([factor * known], np.zeros((96, 96, 3), np.float32))
+        scene = SceneLight(found.surface.light, pyramid, pyramid, None, {}, {})
+        return irradiance_error(dataclasses.replace(found, light=scene), card, tmp_path)
+
+    assert error(np.float32(1.0)) < 0.03
+    assert error(np.float32(2.0)) == pytest.approx(np.log(2), abs=0.03)
+    near = {**card, "light": "near"}
+    assert irradiance_error(found, near, tmp_path) is None
+    assert irradiance_error(found, card, None) is None
