@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from reflest_core.brdf.deviations import labcd_stddev
 from reflest_core.brdf.gloss import ward_to_labcd
 from reflest_core.errors import ReflestError
-from reflest_core.estimation.doubts import Evidence, doubts
 from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
 from reflest_core.estimation.material_map import MOST_MATERIALS, MaterialEstimate, MaterialMap
 from reflest_core.estimation.physical_ward import physical_ward
+from reflest_core.estimation.reliability import Evidence, warnings_of
 from reflest_core.estimation.scan_memory import GlossAnswer, ScanMemory
 from reflest_core.estimation.scene_estimates import SceneEstimate, SceneEstimates
 from reflest_core.estimation.settings import EstimationSettings
@@ -253,7 +253,7 @@ class Estimator:
             "" if gloss is None else roughness_problem(ward, stddev, gloss),
             light_problem,
         )
-        found = list(doubts(evidence, self.settings))
+        found = list(warnings_of(evidence, self.settings))
         return BrdfEstimate(
             stamp_ns=stamp_ns,
             frame_id=frame_id,

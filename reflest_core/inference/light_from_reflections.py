@@ -107,7 +107,7 @@ class _System:
         mirrored = reflection.answers[channel].copy()
         mirrored[:, 0] = 0.0  # what reflects seen light is known, and taken from the target
         matters = which_matter(diffuse + mirrored)
-        told = np.flatnonzero(matters)
+        used = np.flatnonzero(matters)
         return _System(
             rho_s,
             matters,
@@ -117,8 +117,8 @@ class _System:
                 np.float32(COARSE * rho_s) * reflects_seen,
             ),
             sample.clipped[:, channel],
-            np.take(diffuse, told, axis=1),
-            np.take(mirrored, told, axis=1),
+            np.take(diffuse, used, axis=1),
+            np.take(mirrored, used, axis=1),
         )
 
     def explained(self, priors: Sequence[LightPrior], albedo: float) -> list[ChannelLight]:

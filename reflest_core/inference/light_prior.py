@@ -19,7 +19,7 @@ ALBEDO = (0.3, 0.25)
 DARKEST_ALBEDO = 0.02
 """The prior's widths are in units of ``rho_d``, but of no less than this."""
 NEGLIGIBLE = 1e-4
-"""Of the strongest response: what answers less to a patch tells nothing of it."""
+"""Of the strongest response: a patch with less has no influence."""
 HUE = (0.8, 0.93, 1.34)
 """What is above and unseen, over its fill, in each channel beside the mean of the three: skies are
 bluer than what stands below them. The mean of logarithms over the 24 lights of SynBRDF's training.

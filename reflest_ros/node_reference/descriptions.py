@@ -93,7 +93,7 @@ DIAGNOSTICS = {
     ),
     "exposure correction (stops)": (
         "By how much the last frame's colours are brightened to be at the first one's exposure, as "
-        "far as the background tells it; 0 with a locked exposure."
+        "far as the background shows it; 0 with a locked exposure."
     ),
     "light seen": "Share of all directions in which the light around the object was seen, 0 to 1.",
     "autosave's age (s)": "Since the last one; present with autosave.",

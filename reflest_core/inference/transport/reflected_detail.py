@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""How sharp the reflections are, whatever is reflected: roughness told without knowing the light.
+"""How sharp the reflections are, whatever is reflected: roughness without knowing the light.
 
 Observations that mirror one direction see one light. A polished surface shows many different
 lights, and neighbouring directions apart: how much varies is great, and falls far as the cells of

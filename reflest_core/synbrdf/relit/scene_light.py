@@ -44,7 +44,7 @@ def scene_light(
 def light_and_gains(
     scene: SynbrdfScene, views: NDArray[np.int64], looks_away: Sequence[Background] = ()
 ) -> tuple[ObservedLight, NDArray[np.float32]]:
-    """The same, view after view, with the exposure of each told from its background as live.
+    """The same, view after view, with the exposure of each inferred from its background as live.
 
     The object's own voxels, which live are asked where parallax blurs the background, are not.
     The gains are of all W views of the scene, (W,); 1 for those that are not among ``views``.

@@ -6,8 +6,8 @@ import re
 
 import pytest
 
-from reflest_core.estimation.doubts import Evidence, doubts
 from reflest_core.estimation.estimate import EstimateStatus
+from reflest_core.estimation.reliability import Evidence, warnings_of
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.light.light_knowledge import LightKnowledge
 
@@ -39,26 +39,26 @@ LONGEST_TEXT = 512
     ],
 )
 def test_each_threshold_is_a_doubt_and_what_to_do(changed, status, sentence):
-    assert list(doubts(Evidence(**SURE), SETTINGS)) == []
-    ((found, text),) = doubts(Evidence(**{**SURE, **changed}), SETTINGS)
+    assert list(warnings_of(Evidence(**SURE), SETTINGS)) == []
+    ((found, text),) = warnings_of(Evidence(**{**SURE, **changed}), SETTINGS)
     assert found is status
     assert re.search(sentence, text)
 
 
 def test_no_light_at_all_is_in_doubt_whatever_the_threshold():
     evidence = Evidence(**{**SURE, "light": LightKnowledge(0.0, 0.0)})
-    ((status, _),) = doubts(evidence, EstimationSettings(low_light=0.0))
+    ((status, _),) = warnings_of(evidence, EstimationSettings(low_light=0.0))
     assert status is EstimateStatus.LOW_LIGHT
 
 
 def test_networks_that_do_not_look_at_the_light_are_not_judged_by_it():
-    assert list(doubts(Evidence(**{**SURE, "light": None}), SETTINGS)) == []
+    assert list(warnings_of(Evidence(**{**SURE, "light": None}), SETTINGS)) == []
 
 
 def test_all_doubts_come_in_the_order_that_the_message_states_and_fit_into_it():
     worst = Evidence(1000, 1001, 0.001, LightKnowledge(0.101, 0.991), LONGEST_REASON)
     strict = EstimationSettings(low_coverage=0.999, low_light=0.999, clipped_light=0.111)
-    found = list(doubts(worst, strict))
+    found = list(warnings_of(worst, strict))
     assert [status.name for status, _ in found] == [
         "FEW_VOXELS",
         "LOW_COVERAGE",

@@ -11,17 +11,21 @@ from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.light.light_knowledge import LightKnowledge
 
-Doubt = tuple[EstimateStatus, str]
+EstimateWarning = tuple[EstimateStatus, str]
+"""A status and its sentence."""
 
 
 @dataclass(frozen=True)
 class Evidence:
     """What an estimate rests on.
 
-    ``voxels``: how many the network looked at, ``wanted_voxels``: how many it expects.
-    ``coverage``: share of view directions seen. ``light``: None where the network does not look at
-    it. ``gloss_problem``: why ``alpha`` cannot be told, as a clause, or "". ``light_problem``: why
-    light known before was not used, or "".
+    Attributes:
+        voxels: chosen for the network.
+        wanted_voxels: how many the network expects.
+        coverage: share of view directions seen, in [0, 1].
+        light: how much was known of the light; None where the network does not use it.
+        gloss_problem: why ``alpha`` cannot be identified, as a clause, or "".
+        light_problem: why light known before was not used, or "".
     """
 
     voxels: int
@@ -32,8 +36,8 @@ class Evidence:
     light_problem: str = ""
 
 
-def doubts(evidence: Evidence, settings: EstimationSettings) -> Iterator[Doubt]:
-    """Status and sentence of everything that is in doubt, in the order of precedence.
+def warnings_of(evidence: Evidence, settings: EstimationSettings) -> Iterator[EstimateWarning]:
+    """List everything that makes an estimate doubtful, the most severe first.
 
     First what was not scanned, then what is not known of the light, then what this material hides.
 
@@ -64,7 +68,7 @@ def doubts(evidence: Evidence, settings: EstimationSettings) -> Iterator[Doubt]:
         )
 
 
-def _of_light(light: LightKnowledge, settings: EstimationSettings) -> Iterator[Doubt]:
+def _of_light(light: LightKnowledge, settings: EstimationSettings) -> Iterator[EstimateWarning]:
     if light.seen == 0.0 or light.seen < settings.low_light:
         share = f"{light.seen:.0%}" if light.seen > 0.0 else "none"
         yield (
