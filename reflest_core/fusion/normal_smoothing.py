@@ -59,8 +59,8 @@ def smoothed_normals(
             for axis in range(3):
                 squared += (rows.positions[other, axis] - rows.positions[row, axis]) ** 2
                 cosine += float(rows.normals[other, axis]) * float(rows.normals[row, axis])
-            between = math.acos(min(max(cosine, -1.0), 1.0))
-            weight = math.exp(by_distance * squared + by_angle * between * between)
+            # The squared chord between unit vectors stands for the squared angle.
+            weight = math.exp(by_distance * squared + by_angle * 2.0 * (1.0 - cosine))
             sum_x += weight * rows.normals[other, 0]
             sum_y += weight * rows.normals[other, 1]
             sum_z += weight * rows.normals[other, 2]
