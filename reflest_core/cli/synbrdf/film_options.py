@@ -60,6 +60,8 @@ def film_command(arguments: argparse.Namespace, product: str) -> list[str]:
         command += ["--materials", arguments.materials]
     if arguments.material_fits is not None:
         command += ["--material-fits", str(arguments.material_fits)]
+    if arguments.measured_share != 1.0:
+        command += ["--measured-share", str(arguments.measured_share)]
     if arguments.realism is not None:
         command += ["--realism", *arguments.realism]
     return command

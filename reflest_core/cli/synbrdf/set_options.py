@@ -47,14 +47,28 @@ def add_set_options(parser: argparse.ArgumentParser) -> None:
         default="frame",
         help="what the camera exposes for; frame lets objects in dark rooms clip",
     )
+    parser.add_argument(
+        "--product",
+        choices=("object", "tabletop"),
+        default="object",
+        help="what a scene shows: one object of one material, as in the paper, or 2 to 6 objects "
+        "of several materials on a table or in a corner (SynBRDF-SV)",
+    )
+    parser.add_argument(
+        "--surface",
+        choices=("exact", "fused"),
+        default="exact",
+        help="where voxels come from: the true surface, or fusion of depth images of all views",
+    )
+    add_material_options(parser)
     add_realism_option(parser)
 
 
 def add_material_options(parser: argparse.ArgumentParser) -> None:
-    """Add ``--materials`` and ``--material-fits``.
+    """Add ``--materials``, ``--material-fits`` and ``--measured-share``.
 
     Args:
-        parser: takes the options.
+        parser: Takes the options.
     """
     parser.add_argument(
         "--materials",
@@ -67,19 +81,32 @@ def add_material_options(parser: argparse.ArgumentParser) -> None:
         "--material-fits",
         type=Path,
         metavar="CSV",
-        help="Ward fits to draw from instead; needs --materials measured",
+        help="Ward fits to draw from instead, in a data set for its unseen split alone; needs "
+        "--materials measured",
+    )
+    parser.add_argument(
+        "--measured-share",
+        type=float,
+        default=1.0,
+        metavar="SHARE",
+        help="of the materials that are measured ones with --materials measured; the rest are "
+        "OpenSurfaces' (default: %(default)s)",
     )
 
 
 def materials_of(arguments: argparse.Namespace) -> Materials:
-    """What ``--materials`` and ``--material-fits`` name.
+    """What ``--materials``, ``--material-fits`` and ``--measured-share`` name.
 
     Args:
-        arguments: all options of the command.
+        arguments: All options of the command.
     """
     from reflest_core.synbrdf.scenes.material_sources import Materials, MaterialSource
 
-    return Materials(MaterialSource(arguments.materials), _absolute(arguments.material_fits))
+    return Materials(
+        MaterialSource(arguments.materials),
+        _absolute(arguments.material_fits),
+        arguments.measured_share,
+    )
 
 
 def add_realism_option(parser: argparse.ArgumentParser) -> None:
@@ -116,13 +143,14 @@ def generation_of(
     """The data set that the options name.
 
     Args:
-        arguments: all options of the command.
-        points: (N, 3) metres.
-        samples: paths of a pixel or an observation.
+        arguments: All options of the command.
+        points: Voxels of a scene.
+        samples: Paths of an observation.
     """
-    from reflest_core.synbrdf.generation.data_set import Generation
+    from reflest_core.synbrdf.generation.data_set import Generation, Product
     from reflest_core.synbrdf.scenes.metering import Metering
     from reflest_core.synbrdf.scenes.scene import Lighting
+    from reflest_core.synbrdf.scenes.surface_points import SurfaceKind
 
     return Generation(
         arguments.seed,
@@ -137,6 +165,9 @@ def generation_of(
         realism_of(arguments),
         Metering(arguments.metering),
         _absolute(arguments.extra_environments),
+        Product(arguments.product),
+        materials_of(arguments),
+        SurfaceKind(arguments.surface),
     )
 
 

@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     split, scenes, views = chosen(arguments, generation)
 
     from reflest_core.synbrdf.path_tracing.mitsuba_xml import write_scene
-    from reflest_core.synbrdf.sequences.filming import depth_camera
+    from reflest_core.synbrdf.scenes.views import depth_camera
 
     camera = depth_camera(arguments.width, arguments.height)
     for index in scenes:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import dataclasses
+import enum
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.errors import ReflestError
-from reflest_core.synbrdf.generation.source_fingerprint import source_fingerprint
+from reflest_core.source_fingerprint import source_fingerprint
 from reflest_core.synbrdf.lights.environment_likeness import SAME, likeness
 from reflest_core.synbrdf.lights.environments import (
     EnvironmentSource,
@@ -25,17 +26,22 @@ from reflest_core.synbrdf.lights.environments import (
 )
 from reflest_core.synbrdf.path_tracing.mitsuba_runtime import missing_package
 from reflest_core.synbrdf.realism.settings import Realism
+from reflest_core.synbrdf.scenes.material_sources import OPENSURFACES, Materials
 from reflest_core.synbrdf.scenes.metering import Metering
 from reflest_core.synbrdf.scenes.scene import Lighting, Scene, draw_scene
-from reflest_core.synbrdf.scenes.scene_file import FORMAT, NEAR_FORMAT
+from reflest_core.synbrdf.scenes.scene_file import FORMAT, NEAR_FORMAT, SV_FORMAT
 from reflest_core.synbrdf.scenes.splits import Sources, Split, sources_of
+from reflest_core.synbrdf.scenes.surface_points import SurfaceKind
 from reflest_core.synbrdf.shapes.mesh_file import MeshSource, find_meshes
+from reflest_core.synbrdf.tabletop.tabletop_scene import draw_tabletop_scene
 
 SHARD_SCENES = 20
 SKIES = 24
 """Procedural environments, where no folder of environments is given."""
 COMPARED_ROWS = 32
 """Height of the environments at which they are compared."""
+RENDERING = "reflest_core.synbrdf.generation.shard_rendering"
+"""The module that, with all that it imports, decides the bytes."""
 PACKAGES = ("mitsuba", "drjit", "karellen-llvm-core", "numpy", "scipy", "scikit-image")
 """Libraries whose versions may change the bytes."""
 
@@ -44,14 +50,37 @@ class GenerationRefused(ReflestError):
     """A data set was asked for that cannot be made."""
 
 
+class Product(enum.Enum):
+    """What a scene shows."""
+
+    OBJECT = "object"
+    """One object of one material: the paper's set."""
+    TABLETOP = "tabletop"
+    """Objects of several materials on a table or in a corner: SynBRDF-SV."""
+
+
 @dataclass(frozen=True)
 class Generation:
     """What ``reflest synbrdf generate`` was asked for; with the code it decides every byte.
 
-    ``without``: environments that neither train nor validation uses, kept to develop on.
-    ``realism``: the faults of real captures; None for perfect cameras and surfaces. ``metering``:
-    what the camera exposes for. ``extra_environments``: further ones, of training scenes alone;
-    they leave the splits of ``environments`` as they are.
+    Attributes:
+        seed: Of the data set.
+        scenes: How many, by the name of the split.
+        points: Voxels of a scene.
+        views: Cameras of a scene.
+        samples: Paths of an observation.
+        environments: Files of environment maps; None for procedural skies.
+        meshes: Files of meshes; None for procedural shapes alone.
+        lighting: Where light comes from.
+        without: Environments that neither train nor validation uses, kept to develop on.
+        realism: The faults of real captures; None for perfect cameras and surfaces.
+        metering: What the camera exposes for.
+        extra_environments: Further ones, of training scenes alone; they leave the splits of
+            ``environments`` as they are.
+        product: Single objects, or objects on tables.
+        materials: What materials are drawn from; its table of fits is for the unseen split alone,
+            which then shares no material with the others.
+        surface: Where voxels come from.
     """
 
     seed: int
@@ -66,6 +95,9 @@ class Generation:
     realism: Realism | None = None
     metering: Metering = Metering.FRAME
     extra_environments: Path | None = None
+    product: Product = Product.OBJECT
+    materials: Materials = OPENSURFACES
+    surface: SurfaceKind = SurfaceKind.EXACT
 
     def __post_init__(self) -> None:
         bounds = {
@@ -78,6 +110,10 @@ class Generation:
         for name, (value, low, high) in bounds.items():
             if not low <= value <= high:
                 raise GenerationRefused(f"--{name} is {value}, but must be {low} to {high}")
+        if self.product is Product.TABLETOP and self.lighting is Lighting.DIVERSE:
+            raise GenerationRefused("--product tabletop goes with --lighting natural or near")
+        if self.product is Product.TABLETOP and self.metering is not Metering.FRAME:
+            raise GenerationRefused("--product tabletop goes with --metering frame")
 
     def sources(self, split: Split) -> Sources:
         """The environments and meshes of one split.
@@ -95,14 +131,29 @@ class Generation:
         return dataclasses.replace(sources, environments=kept)
 
     def scene(self, split: Split, index: int) -> Scene:
-        """Draw scene ``index`` of ``split``.
+        """Draw a scene.
 
         Args:
-            split: train, validation or unseen.
-            index: of the scene within its split.
+            split: Train, validation or unseen.
+            index: Within the split.
         """
-        sources = self.sources(split)
-        return draw_scene(self.seed, split, index, sources, self.views, self.lighting)
+        sources, materials = self.sources(split), self.materials_of(split)
+        if self.product is Product.TABLETOP:
+            is_near = self.lighting is Lighting.NEAR
+            return draw_tabletop_scene(
+                self.seed, split, index, sources, self.views, materials, is_near
+            )
+        return draw_scene(self.seed, split, index, sources, self.views, self.lighting, materials)
+
+    def materials_of(self, split: Split) -> Materials:
+        """What the materials of one split are drawn from.
+
+        Args:
+            split: Train, validation or unseen.
+        """
+        if split is Split.UNSEEN or self.materials.fits is None:
+            return self.materials
+        return dataclasses.replace(self.materials, fits=None)
 
     def check_extra(self) -> None:
         """Refuse a further environment that is one of the others under another name."""
@@ -123,7 +174,10 @@ class Generation:
     def manifest(self) -> dict[str, Any]:
         """What a resumed run must agree with."""
         return {
-            "format": NEAR_FORMAT if self.lighting is Lighting.NEAR else FORMAT,
+            "format": self._format(),
+            "product": self.product.value,
+            "materials": self.materials.card(),
+            "surface": self.surface.value,
             "seed": self.seed,
             "scenes": self.scenes,
             "points": self.points,
@@ -137,8 +191,13 @@ class Generation:
             "extra_environments": [source.name for source in self._extra()],
             "meshes": [source.name for source in self._meshes()],
             "versions": _versions(),
-            "code": source_fingerprint(),
+            "code": source_fingerprint(RENDERING),
         }
+
+    def _format(self) -> str:
+        if self.product is Product.TABLETOP:
+            return SV_FORMAT
+        return NEAR_FORMAT if self.lighting is Lighting.NEAR else FORMAT
 
     def _environments(self) -> list[EnvironmentSource]:
         if self.environments is None:

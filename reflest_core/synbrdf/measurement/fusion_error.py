@@ -17,12 +17,12 @@ from reflest_core.capture.frame import Frame
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.synbrdf.path_tracing.mitsuba_scene import first_hits, first_normals, mitsuba_scene
-from reflest_core.synbrdf.path_tracing.sparse_scene import camera_rays
+from reflest_core.synbrdf.path_tracing.sight import camera_rays
 from reflest_core.synbrdf.path_tracing.ward_bsdf import ward_bsdf
 from reflest_core.synbrdf.realism.depth_sensor import DepthSensor
 from reflest_core.synbrdf.realism.pose_jitter import jittered
 from reflest_core.synbrdf.realism.settings import Effect, Realism
-from reflest_core.synbrdf.sequences.filming import depth_camera
+from reflest_core.synbrdf.scenes.views import depth_camera
 from reflest_core.synbrdf.sequences.sequence_scene import SequenceRequest, draw_sequence_scene
 
 SIGHT = 0.02

@@ -23,7 +23,7 @@ from reflest_core.synbrdf.path_tracing.mitsuba_scene import (
     first_hits,
     first_normals,
 )
-from reflest_core.synbrdf.path_tracing.sparse_scene import camera_rays
+from reflest_core.synbrdf.path_tracing.sight import camera_rays
 from reflest_core.synbrdf.room.depth_view import room_sight
 from reflest_core.synbrdf.room.geometry import Room
 

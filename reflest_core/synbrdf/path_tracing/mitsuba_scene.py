@@ -19,6 +19,8 @@ import drjit as dr  # noqa: E402  (Mitsuba's loader must choose the LLVM first)
 
 PATH_DEPTH = 4
 """Mitsuba's ``max_depth`` of what the networks see."""
+TABLETOP_DEPTH = 6
+"""Mitsuba's ``max_depth`` of scenes of several objects, which light one another."""
 OBJECT = "object"
 """The object's name among a scene's shapes."""
 ENVIRONMENT_TURNS = (("z", 90.0), ("x", 90.0))
@@ -174,6 +176,30 @@ def first_shapes(
     names: NDArray[np.str_] = np.full(own.max() + 1, "", dtype="U16")
     names[own] = [shape.id() for shape in shapes]
     return np.asarray(names[numbers])
+
+
+def first_faces(
+    scene: Any, origins: NDArray[np.float32], directions: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.bool_]]:
+    """What each ray first hits.
+
+    Args:
+        scene: The Mitsuba scene.
+        origins: (R, 3) metres.
+        directions: (R, 3) unit.
+
+    Returns:
+        Distance (R,) in metres, infinite where nothing is hit; index (R,) of the face, within its
+        mesh; and whether the mesh is the object's (R,).
+    """
+    ray = mi.Ray3f(
+        mi.Point3f(np.ascontiguousarray(origins.T)), mi.Vector3f(np.ascontiguousarray(directions.T))
+    )
+    hit = scene.ray_intersect_preliminary(ray)
+    is_hit = np.array(hit.is_valid())
+    distance = np.where(is_hit, np.array(hit.t, dtype=np.float32), np.float32(math.inf))
+    faces = np.where(is_hit, np.array(hit.prim_index), 0).astype(np.int64)
+    return distance, faces, first_shapes(scene, origins, directions) == OBJECT
 
 
 def first_normals(

@@ -35,7 +35,7 @@ from reflest_core.synbrdf.scenes.metering import Metering, object_exposure
 from reflest_core.synbrdf.scenes.scene import Scene
 from reflest_core.synbrdf.scenes.seeding import Purpose, generator
 from reflest_core.synbrdf.scenes.splits import Split
-from reflest_core.synbrdf.sequences.filming import depth_camera
+from reflest_core.synbrdf.scenes.views import depth_camera
 
 INTRINSICS = "camera-intrinsics.txt"
 SCENE = "scene.json"

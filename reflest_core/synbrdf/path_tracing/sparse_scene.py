@@ -14,15 +14,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.parameters import WardParameters
-from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.light import rgbe
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.synbrdf.path_tracing.mitsuba_scene import (
+    TABLETOP_DEPTH,
     RadianceTracer,
     first_hits,
     mitsuba_scene,
 )
+from reflest_core.synbrdf.path_tracing.scene_voxels import (
+    SceneVoxels,
+    exact_voxels,
+    fused_voxels,
+)
+from reflest_core.synbrdf.path_tracing.sight import camera_rays
 from reflest_core.synbrdf.path_tracing.ward_bsdf import ward_bsdf
+from reflest_core.synbrdf.realism.camera_faults import draw_camera_faults
+from reflest_core.synbrdf.realism.settings import Realism, streams
+from reflest_core.synbrdf.realism.view_images import meter
 from reflest_core.synbrdf.room.depth_view import room_sight
 from reflest_core.synbrdf.room.room_scene import RoomBuilder
 from reflest_core.synbrdf.scenes.exposure import auto_exposure, expose
@@ -30,23 +39,30 @@ from reflest_core.synbrdf.scenes.metering import mean_colours
 from reflest_core.synbrdf.scenes.scene import Scene
 from reflest_core.synbrdf.scenes.scene_file import SynbrdfScene
 from reflest_core.synbrdf.scenes.seeding import Purpose, generator
-from reflest_core.synbrdf.scenes.surface_points import draw_surface_points
+from reflest_core.synbrdf.scenes.surface_points import SurfaceKind
 from reflest_core.synbrdf.scenes.thumbnails import THUMBNAIL, Thumbnails
-
-MAX_GRAZING_COSINE = 0.25
-"""A view further from the normal (75.5 degrees) does not see a point, as in fusion."""
-VISIBLE_TOLERANCE = 2e-3
-"""Metres between a point and the first surface along its ray within which it is seen."""
+from reflest_core.synbrdf.tabletop.face_ward_bsdf import face_ward_bsdf
 
 
 @dataclass(frozen=True)
 class SparseSettings:
-    """``points`` on the surface, ``views`` cameras, ``samples`` a ray, and a thumbnail's pixel."""
+    """How scenes are observed.
+
+    Attributes:
+        points: Voxels of a scene.
+        views: Cameras.
+        samples: Paths of an observation.
+        thumbnail_samples: Paths of a thumbnail's pixel.
+        surface: Where voxels come from.
+        realism: Noise of depth and poses that fused voxels suffer; None for none.
+    """
 
     points: int = 400
     views: int = 100
     samples: int = 64
     thumbnail_samples: int = 4
+    surface: SurfaceKind = SurfaceKind.EXACT
+    realism: Realism | None = None
 
 
 @dataclass(frozen=True)
@@ -77,25 +93,27 @@ class SparseRenderer:
         self.thumbnails = RadianceTracer(settings.thumbnail_samples, lanes=3 << 18, depth=3)
         self.rooms = RoomBuilder()
         self.bsdf = ward_bsdf(WardParameters((0.5, 0.5, 0.5), 0.1, 0.1))
+        self._tabletops: RadianceTracer | None = None
 
     def render(self, scene: Scene, seed: int) -> SynbrdfScene:
         """Trace every visible pair of point and view; the same seed gives the same scene.
 
         Args:
-            scene: the scene.
-            seed: of the random numbers.
+            scene: One object, or a tabletop of several materials.
+            seed: Of the data set.
         """
         rng, trace_seed = _tracing(scene, seed)
         overview = self._overview(scene, trace_seed)
-        positions, normals, _ = draw_surface_points(scene.mesh, self.settings.points, rng)
         centres = scene.poses[:, :3, 3].astype(np.float32)
-        point_of, view_of = visible_pairs(overview.rendered, positions, normals, centres)
-        directions = _unit(positions[point_of] - centres[view_of])
-        radiance = self.tracer.trace(overview.rendered, centres[view_of], directions, trace_seed)
-        counts = np.bincount(point_of, minlength=len(positions))
+        voxels = self._voxels(scene, overview, rng, seed)
+        view_of = voxels.view_of
+        radiance = self._tracer_of(scene).trace(
+            overview.rendered, centres[view_of], voxels.directions, trace_seed
+        )
+        counts = np.bincount(voxels.voxel_of, minlength=len(voxels.positions))
         surface = ObservedSurface(
-            positions=positions,
-            normals=normals,
+            positions=voxels.positions,
+            normals=voxels.normals,
             offsets=np.concatenate([[0], np.cumsum(counts)]),
             colours=expose(radiance, overview.exposure),
             view_indices=view_of.astype(np.uint16),
@@ -115,7 +133,36 @@ class SparseRenderer:
             exposure=overview.exposure,
             radiance=radiance.astype(np.float16),
             thumbnails=overview.thumbnails,
+            material_source=scene.material_source,
+            material_name=scene.material_name,
+            materials=None if scene.painted is None else scene.painted.at_faces(voxels.faces),
         )
+
+    def _voxels(
+        self, scene: Scene, overview: Overview, rng: np.random.Generator, seed: int
+    ) -> SceneVoxels:
+        settings = self.settings
+        if settings.surface is SurfaceKind.EXACT:
+            return exact_voxels(overview.rendered, scene, settings.points, rng)
+        # The faults that the finished scene's colours and poses will have.
+        realism = settings.realism or Realism.only([])
+        stream = streams(generator(seed, scene.split, scene.index, Purpose.REALISM))
+        poses = overview.thumbnails.T_world_camera.astype(np.float64)
+        faults = draw_camera_faults(realism, meter(overview.thumbnails), poses, stream)
+        noise = generator(seed, scene.split, scene.index, Purpose.FUSE)
+        return fused_voxels(
+            overview.rendered, scene, settings.points, faults.depth_sensor, faults.poses, noise
+        )
+
+    def _tracer_of(self, scene: Scene) -> RadianceTracer:
+        """Light between the surfaces of a tabletop needs longer paths than one object's."""
+        if scene.painted is None:
+            return self.tracer
+        if self._tabletops is None:
+            self._tabletops = RadianceTracer(
+                self.settings.samples, lanes=1 << 20, depth=TABLETOP_DEPTH
+            )
+        return self._tabletops
 
     def overview(self, scene: Scene, seed: int) -> Overview:
         """What :meth:`render` first looks at: the same exposure and thumbnails.
@@ -127,11 +174,15 @@ class SparseRenderer:
         return self._overview(scene, _tracing(scene, seed)[1])
 
     def _overview(self, scene: Scene, trace_seed: int) -> Overview:
-        self.bsdf.set_parameters(scene.material)
-        if scene.room is None:
-            rendered = mitsuba_scene(scene.mesh, self.bsdf, scene.light.radiance)
+        bsdf = self.bsdf
+        if scene.painted is None:
+            bsdf.set_parameters(scene.material)
         else:
-            rendered = self.rooms.scene(scene.mesh, self.bsdf, scene.room, trace_seed + 2)
+            bsdf = face_ward_bsdf(scene.painted)
+        if scene.room is None:
+            rendered = mitsuba_scene(scene.mesh, bsdf, scene.light.radiance)
+        else:
+            rendered = self.rooms.scene(scene.mesh, bsdf, scene.room, trace_seed + 2)
         origins, directions = camera_rays(THUMBNAIL, scene.poses)
         depth, hits = None, np.isfinite(first_hits(rendered, origins, directions))
         if scene.room is not None:
@@ -157,53 +208,3 @@ def _tracing(scene: Scene, seed: int) -> tuple[np.random.Generator, int]:
     """The stream that surface points come from, and the seed of light paths drawn before them."""
     rng = generator(seed, scene.split, scene.index, Purpose.TRACE)
     return rng, int(rng.integers(2**31))
-
-
-def camera_rays(
-    camera: CameraIntrinsics, poses: NDArray[np.float64]
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Origins and unit directions (W * H * width, 3) through the pixel centres of every pose.
-
-    Args:
-        camera: intrinsics.
-        poses: (V, 4, 4) ``T_world_camera``.
-    """
-    u, v = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
-    local = np.stack(
-        [(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, np.ones(u.shape)], axis=-1
-    ).reshape(-1, 3)
-    directions = np.einsum("wij,pj->wpi", poses[:, :3, :3], local)
-    origins = np.broadcast_to(poses[:, None, :3, 3], directions.shape)
-    return (
-        origins.reshape(-1, 3).astype(np.float32),
-        _unit(directions.reshape(-1, 3).astype(np.float32)),
-    )
-
-
-def visible_pairs(
-    rendered: Any,
-    positions: NDArray[np.float32],
-    normals: NDArray[np.float32],
-    centres: NDArray[np.float32],
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Indices of points and views that see each other, ordered by point, then view.
-
-    Args:
-        rendered: the Mitsuba scene.
-        positions: (N, 3) metres.
-        normals: (N, 3) unit.
-        centres: (V, 3) camera centres, metres.
-    """
-    towards = centres[None] - positions[:, None]
-    cosines = np.einsum("pwk,pk->pw", _unit(towards), normals)
-    point_of, view_of = np.nonzero(cosines > MAX_GRAZING_COSINE)
-    separation = positions[point_of] - centres[view_of]
-    distance = np.linalg.norm(separation, axis=1)
-    hit = first_hits(rendered, centres[view_of], _unit(separation))
-    seen = np.abs(hit - distance) < VISIBLE_TOLERANCE
-    return point_of[seen], view_of[seen]
-
-
-def _unit(vectors: NDArray[np.float32]) -> NDArray[np.float32]:
-    unit: NDArray[np.float32] = vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return unit

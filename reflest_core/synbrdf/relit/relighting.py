@@ -15,10 +15,10 @@ import numpy as np
 from tqdm import tqdm
 
 from reflest_core.errors import ReflestError
+from reflest_core.source_fingerprint import source_fingerprint
 from reflest_core.synbrdf.generation.data_folder import begin_manifest, read_manifest
 from reflest_core.synbrdf.generation.data_set import Generation
 from reflest_core.synbrdf.generation.shard_workers import WorkerError, finished
-from reflest_core.synbrdf.generation.source_fingerprint import source_fingerprint
 from reflest_core.synbrdf.lights.environments import EnvironmentSource, load_environments
 from reflest_core.synbrdf.relit.relit_scene import NATURAL_SHARE, drawn_anew, is_relightable
 from reflest_core.synbrdf.scenes.scene_file import (
@@ -29,6 +29,9 @@ from reflest_core.synbrdf.scenes.scene_file import (
 from reflest_core.synbrdf.scenes.seeding import Purpose, generator
 from reflest_core.synbrdf.scenes.splits import Split
 from reflest_core.whole_file import write_whole
+
+RELIGHTING = "reflest_core.synbrdf.relit.relighting"
+"""The module that, with all that it imports, decides the bytes."""
 
 
 class RelightingRefused(ReflestError):
@@ -87,7 +90,7 @@ class Relighting:
             "without": sorted(self.without),
             "environments": source["environments"],
             "lights": [light.name for light in lights],
-            "code": source_fingerprint(),
+            "code": source_fingerprint(RELIGHTING),
         }
 
 
@@ -149,7 +152,7 @@ def relit_agreed(
         natural_share: share of scenes under unmixed environments.
         task: one shard.
     """
-    if source_fingerprint() != code:
+    if source_fingerprint(RELIGHTING) != code:
         raise WorkerError("a worker has another code: install the same reflest on every machine")
     maps = load_environments(lights)
     seed = int(read_manifest(task.shard.parent)["seed"])

@@ -5,9 +5,11 @@
 from __future__ import annotations
 
 import enum
+import hashlib
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -52,14 +54,25 @@ class Materials:
     Attributes:
         source: The distribution.
         fits: A table of Ward fits to draw from instead of the families; ``measured`` only.
+        measured_share: Of the materials that come from ``measured``; the rest are OpenSurfaces'.
     """
 
     source: MaterialSource = MaterialSource.OPENSURFACES
     fits: Path | None = None
+    measured_share: float = 1.0
 
     def __post_init__(self) -> None:
         if self.fits is not None and self.source is not MaterialSource.MEASURED:
             raise MaterialsRefused("--material-fits needs --materials measured")
+        if not 0.0 <= self.measured_share <= 1.0:
+            raise MaterialsRefused(f"--measured-share is {self.measured_share}, but must be 0 to 1")
+
+    def card(self) -> dict[str, Any]:
+        """For a manifest; the table of fits by its hash."""
+        fits = None
+        if self.fits is not None:
+            fits = hashlib.sha256(self.fits.read_bytes()).hexdigest()
+        return {"source": self.source.value, "measured_share": self.measured_share, "fits": fits}
 
     def draw(self, rng: np.random.Generator) -> NamedMaterial:
         """Draw a material; equal generator states give equal ones.
@@ -70,8 +83,12 @@ class Materials:
         Raises:
             MaterialFitsUnreadable: If ``fits`` cannot be read.
         """
-        if self.source is MaterialSource.OPENSURFACES:
-            return NamedMaterial(draw_material(rng), self.source, self.source.value)
+        is_measured = self.source is MaterialSource.MEASURED and (
+            self.measured_share == 1.0 or rng.uniform() < self.measured_share
+        )
+        if not is_measured:
+            source = MaterialSource.OPENSURFACES
+            return NamedMaterial(draw_material(rng), source, source.value)
         if self.fits is None:
             ward, name = draw_measured(rng)
         else:

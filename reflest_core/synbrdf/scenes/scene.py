@@ -16,13 +16,14 @@ from reflest_core.synbrdf.lights.environments import load_environment, load_envi
 from reflest_core.synbrdf.lights.light_diversity import draw_diverse_light
 from reflest_core.synbrdf.room.draw import draw_room
 from reflest_core.synbrdf.room.geometry import Room
-from reflest_core.synbrdf.scenes.materials import draw_material
+from reflest_core.synbrdf.scenes.material_sources import OPENSURFACES, Materials
 from reflest_core.synbrdf.scenes.seeding import Purpose, generator
 from reflest_core.synbrdf.scenes.splits import Sources, Split
 from reflest_core.synbrdf.scenes.views import draw_views
 from reflest_core.synbrdf.shapes.mesh import TriangleMesh
 from reflest_core.synbrdf.shapes.mesh_file import load_mesh
 from reflest_core.synbrdf.shapes.procedural import DIAMETERS, draw_procedural, draw_rotation
+from reflest_core.synbrdf.tabletop.painted_mesh import PaintedMesh
 
 MESH_SHARE = 0.3
 """Of the scenes show a mesh from a file, where there are any; the rest are procedural."""
@@ -47,10 +48,21 @@ class Light:
 
 @dataclass(frozen=True)
 class Scene:
-    """One object of one material under one light, and the cameras that look at it.
+    """Surfaces under one light, and the cameras that see them.
 
-    ``room``: what stands about the object, and ``light`` outside its windows; None where the light
-    is infinitely far on all sides.
+    Attributes:
+        split: Train, validation or unseen.
+        index: Within the split.
+        material: The object's; of several that of the largest area.
+        shape: Name of the shape, or names joined by ``+``.
+        mesh: All surfaces that have a truth.
+        light: The environment; in a room what its windows show.
+        poses: ``T_world_camera`` (W, 4, 4), optical frames.
+        view_pattern: How the views are spread.
+        room: What stands about the object; None where the light is infinitely far on all sides.
+        material_source: Where ``material`` comes from.
+        material_name: Its family or fit.
+        painted: Materials of the faces of ``mesh``; None where all are of ``material``.
     """
 
     split: Split
@@ -62,6 +74,9 @@ class Scene:
     poses: NDArray[np.float64]
     view_pattern: str
     room: Room | None = None
+    material_source: str = OPENSURFACES.source.value
+    material_name: str = OPENSURFACES.source.value
+    painted: PaintedMesh | None = None
 
 
 class Lighting(enum.Enum):
@@ -82,22 +97,24 @@ def draw_scene(
     sources: Sources,
     views: int,
     lighting: Lighting = Lighting.NATURAL,
+    materials: Materials = OPENSURFACES,
 ) -> Scene:
-    """Scene ``index`` of ``split``; the same arguments give the same scene.
+    """Draw a scene of one object; the same arguments give the same scene.
 
     Args:
-        seed: of the random numbers.
-        split: train, validation or unseen.
-        index: of the scene within its split.
-        sources: environments and shapes to draw from.
-        views: views of the scene.
-        lighting: natural, diverse or near.
+        seed: Of the data set.
+        split: Train, validation or unseen.
+        index: Within the split.
+        sources: Environments and meshes of the split.
+        views: Cameras.
+        lighting: Where light comes from.
+        materials: What the material is drawn from.
     """
     is_diverse = lighting is Lighting.DIVERSE and split is Split.TRAIN
     is_near = lighting is Lighting.NEAR
     purpose = Purpose.DRAW_DIVERSE if is_diverse else Purpose.DRAW
     rng = generator(seed, split, index, Purpose.DRAW_NEAR if is_near else purpose)
-    material = draw_material(rng)
+    material = materials.draw(rng)
     mesh, shape = _draw_shape(rng, sources)
     if is_diverse:
         drawn = draw_diverse_light(rng, load_environments(sources.environments))
@@ -109,7 +126,19 @@ def draw_scene(
     if room is not None:
         name = f"{ROOM}+{light.name}" if room.windows else ROOM
         light = dataclasses.replace(light, name=name)
-    return Scene(split, index, material, shape, mesh, light, poses, pattern.value, room)
+    return Scene(
+        split,
+        index,
+        material.ward,
+        shape,
+        mesh,
+        light,
+        poses,
+        pattern.value,
+        room,
+        material.source.value,
+        material.name,
+    )
 
 
 def _draw_shape(rng: np.random.Generator, sources: Sources) -> tuple[TriangleMesh, str]:

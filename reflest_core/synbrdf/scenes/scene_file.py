@@ -7,7 +7,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,15 +16,23 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
-from reflest_core.brdf.parameters import WardParameters, WardVariant
+from reflest_core.brdf.parameters import WardParameters
 from reflest_core.errors import ReflestError
 from reflest_core.surface.observed_surface import SURFACE_ARRAYS, ObservedSurface
 from reflest_core.synbrdf.scenes.thumbnails import Thumbnails
+from reflest_core.synbrdf.scenes.voxel_materials import (
+    MaterialTruth,
+    VoxelMaterials,
+    ward_card,
+    ward_from_card,
+)
 from reflest_core.whole_file import write_whole
 
 FORMAT = "synbrdf-sparse-2"
 NEAR_FORMAT = "synbrdf-sparse-3"
 """The same, and the depth of every thumbnail: of scenes in rooms."""
+SV_FORMAT = "synbrdf-sv-1"
+"""Scenes of several materials: the same, and a material and an albedo for each voxel."""
 MANIFEST = "manifest.json"
 
 
@@ -36,8 +44,21 @@ class SceneFileError(ReflestError):
 class SynbrdfScene:
     """What was seen of one scene, the truth, and how the scene came about.
 
-    ``exposure``: factor from ``radiance`` to the sensor's [0, 1]. ``radiance``: (O, 3) float16,
-    linear sRGB of every observation. ``environment_rotation``: radians about the vertical.
+    Attributes:
+        surface: Voxels and their observations.
+        truth: The material; of a scene of several that of most voxels.
+        split: Name of the split.
+        index: Within the split.
+        environment: Name of the light.
+        environment_rotation: Radians about the vertical.
+        shape: Name of the shape, or names joined by ``+``.
+        view_pattern: How the views are spread.
+        exposure: Factor from ``radiance`` to the sensor's [0, 1].
+        radiance: (O, 3) float16, linear sRGB of every observation.
+        thumbnails: A small image of every view.
+        material_source: Where ``truth`` comes from: ``opensurfaces`` or ``measured``.
+        material_name: Its family or fit.
+        materials: Materials of the voxels; None where all are of ``truth``.
     """
 
     surface: ObservedSurface
@@ -51,6 +72,42 @@ class SynbrdfScene:
     exposure: float
     radiance: NDArray[np.float16]
     thumbnails: Thumbnails
+    material_source: str = "opensurfaces"
+    material_name: str = "opensurfaces"
+    materials: VoxelMaterials | None = None
+
+    def of_material(self, number: int) -> SynbrdfScene:
+        """The voxels of one material alone, as a scene of that material.
+
+        Args:
+            number: The material's id.
+
+        Raises:
+            SceneFileError: If the scene has no material of that id.
+        """
+        if self.materials is None or not 0 <= number < len(self.materials.materials):
+            raise SceneFileError(f"{self.split} scene {self.index} has no material {number}")
+        surface, material = self.surface, self.materials.materials[number]
+        chosen = self.materials.ids == number
+        counts = surface.observation_counts
+        observed = np.repeat(chosen, counts)
+        part = replace(
+            surface,
+            positions=surface.positions[chosen],
+            normals=surface.normals[chosen],
+            offsets=np.concatenate([[0], np.cumsum(counts[chosen])]),
+            colours=surface.colours[observed],
+            view_indices=surface.view_indices[observed],
+        )
+        return replace(
+            self,
+            surface=part,
+            truth=material.ward,
+            radiance=self.radiance[observed],
+            material_source=material.source,
+            material_name=material.name,
+            materials=None,
+        )
 
 
 def save_shard(path: Path, scenes: list[SynbrdfScene]) -> None:
@@ -81,10 +138,14 @@ def shard_bytes(scenes: list[SynbrdfScene]) -> bytes:
         arrays[f"{number:03d}/T_world_camera"] = thumbnails.T_world_camera
         if thumbnails.depth is not None:
             arrays[f"{number:03d}/depth"] = thumbnails.depth
+        if scene.materials is not None:
+            arrays[f"{number:03d}/material_ids"] = scene.materials.ids
+            arrays[f"{number:03d}/voxel_rho_d"] = scene.materials.rho_d
         cards.append(_card(scene))
     is_near = any(scene.thumbnails.depth is not None for scene in scenes)
+    has_materials = any(scene.materials is not None for scene in scenes)
     metadata = {
-        "format": NEAR_FORMAT if is_near else FORMAT,
+        "format": SV_FORMAT if has_materials else NEAR_FORMAT if is_near else FORMAT,
         "scenes": json.dumps(cards, sort_keys=True),
     }
     return _with_sorted_header(save(arrays, metadata))
@@ -107,9 +168,10 @@ def load_shard(path: Path) -> list[SynbrdfScene]:
     try:
         with safe_open(path, framework="numpy") as file:
             metadata = file.metadata() or {}
-            if metadata.get("format") not in (FORMAT, NEAR_FORMAT):
+            if metadata.get("format") not in (FORMAT, NEAR_FORMAT, SV_FORMAT):
                 raise SceneFileError(
-                    f"{path} is not a {FORMAT} or {NEAR_FORMAT} shard; generate the data again"
+                    f"{path} is not a {FORMAT}, {NEAR_FORMAT} or {SV_FORMAT} shard; generate the "
+                    "data again"
                 )
             cards = json.loads(metadata["scenes"])
             return [_scene(file, number, card) for number, card in enumerate(cards)]
@@ -142,23 +204,29 @@ def sha256(path: Path) -> str:
 
 
 def _card(scene: SynbrdfScene) -> dict[str, Any]:
-    truth = scene.truth
     card = {
         field.name: getattr(scene, field.name)
         for field in fields(scene)
-        if field.name not in ("surface", "truth", "radiance", "thumbnails")
+        if field.name not in ("surface", "truth", "radiance", "thumbnails", "materials")
     }
-    ward = {"rho_d": truth.rho_d, "rho_s": truth.rho_s, "alpha": truth.alpha}
-    return {**card, "truth": {**ward, "variant": truth.variant.value}}
+    # Files of the paper's materials and of one material stay as they have always been.
+    if scene.material_source == "opensurfaces":
+        del card["material_source"], card["material_name"]
+    if scene.materials is not None:
+        card["materials"] = [material.card() for material in scene.materials.materials]
+    return {**card, "truth": ward_card(scene.truth)}
 
 
 def _scene(file: Any, number: int, card: dict[str, Any]) -> SynbrdfScene:
     arrays = {name: file.get_tensor(f"{number:03d}/{name}") for name in SURFACE_ARRAYS}
-    truth = card.pop("truth")
-    red, green, blue = truth["rho_d"]
-    ward = WardParameters(
-        (red, green, blue), truth["rho_s"], truth["alpha"], WardVariant(truth["variant"])
-    )
+    truth, named = ward_from_card(card.pop("truth")), card.pop("materials", None)
+    materials = None
+    if named is not None:
+        materials = VoxelMaterials(
+            tuple(MaterialTruth.from_card(one) for one in named),
+            file.get_tensor(f"{number:03d}/material_ids"),
+            file.get_tensor(f"{number:03d}/voxel_rho_d"),
+        )
     images, object_bits, poses, radiance = (
         file.get_tensor(f"{number:03d}/{name}")
         for name in ("rgbe", "is_object", "T_world_camera", "radiance")
@@ -168,7 +236,8 @@ def _scene(file: Any, number: int, card: dict[str, Any]) -> SynbrdfScene:
     is_object = np.unpackbits(object_bits, axis=-1, count=images.shape[2]).astype(np.bool_)
     return SynbrdfScene(
         surface=ObservedSurface(**arrays),
-        truth=ward,
+        truth=truth,
+        materials=materials,
         radiance=radiance,
         thumbnails=Thumbnails(images, is_object, poses, depth),
         **card,

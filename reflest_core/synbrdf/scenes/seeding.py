@@ -27,6 +27,10 @@ class Purpose(enum.Enum):
     """Faults of a real capture."""
     RELIGHT = 5
     """Another material and light for the same shape and views."""
+    DRAW_TABLETOP = 6
+    """Everything of a scene of several objects."""
+    FUSE = 7
+    """Noise of the depth images that voxels are fused from."""
 
 
 def generator(seed: int, split: Split, index: int, purpose: Purpose) -> np.random.Generator:

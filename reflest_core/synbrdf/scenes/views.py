@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Where the cameras of a sparse scene stand: hand-held orbits, caps and full spheres."""
+"""The cameras of scenes: a VGA depth camera on hand-held orbits, in caps and on full spheres."""
 
 from __future__ import annotations
 
@@ -8,6 +8,11 @@ import enum
 
 import numpy as np
 from numpy.typing import NDArray
+
+from reflest_core.capture.camera import CameraIntrinsics
+
+FOCAL_LENGTH = 525.0 / 640.0
+"""Of the image's width."""
 
 
 class ViewPattern(enum.Enum):
@@ -22,6 +27,17 @@ class ViewPattern(enum.Enum):
 
 
 PATTERN_SHARES = {ViewPattern.ORBIT: 0.5, ViewPattern.CAP: 0.25, ViewPattern.SPHERE: 0.25}
+
+
+def depth_camera(width: int, height: int) -> CameraIntrinsics:
+    """A VGA depth camera's view: the optical axis passes through the middle of the image.
+
+    Args:
+        width: Pixels.
+        height: Pixels.
+    """
+    focal = FOCAL_LENGTH * width
+    return CameraIntrinsics(width, height, focal, focal, 0.5 * (width - 1), 0.5 * (height - 1))
 
 
 def look_at(

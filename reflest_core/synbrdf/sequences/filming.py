@@ -12,36 +12,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.lab import luminance
-from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.synbrdf.path_tracing.full_image import FullImageRenderer
 from reflest_core.synbrdf.path_tracing.mitsuba_scene import PATH_DEPTH, RadianceTracer
-from reflest_core.synbrdf.path_tracing.sparse_scene import camera_rays
+from reflest_core.synbrdf.path_tracing.sight import camera_rays
 from reflest_core.synbrdf.realism.camera_faults import CameraFaults, draw_camera_faults
 from reflest_core.synbrdf.realism.settings import Realism, streams
 from reflest_core.synbrdf.room.geometry import Room
 from reflest_core.synbrdf.scenes.exposure import auto_exposure, expose
 from reflest_core.synbrdf.scenes.thumbnails import THUMBNAIL
+from reflest_core.synbrdf.scenes.views import depth_camera
 from reflest_core.synbrdf.sequences.bag_writer import RecordedFrame
 
-FOCAL_LENGTH = 525.0 / 640.0
-"""Of the image's width."""
 START_NS = 1_750_000_000 * 10**9
 """Stamp of the first frame, the same in every sequence."""
 EXPOSED_FRAMES = 16
 """Spread over the sequence; they meter the exposure that all frames share."""
 REALISM_STREAM = 0x5EA1
 """Keeps the faults' random numbers apart from the scene's."""
-
-
-def depth_camera(width: int, height: int) -> CameraIntrinsics:
-    """A VGA depth camera's view: the optical axis passes through the middle of the image.
-
-    Args:
-        width: pixels.
-        height: pixels.
-    """
-    focal = FOCAL_LENGTH * width
-    return CameraIntrinsics(width, height, focal, focal, 0.5 * (width - 1), 0.5 * (height - 1))
 
 
 @dataclass(frozen=True)

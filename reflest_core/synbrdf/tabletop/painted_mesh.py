@@ -11,7 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.synbrdf.scenes.material_sources import NamedMaterial
+from reflest_core.synbrdf.scenes.voxel_materials import MaterialTruth, VoxelMaterials
 from reflest_core.synbrdf.shapes.mesh import TriangleMesh
+
+OBJECT = "object-"
+"""Begins the names of objects among the parts of a scene; others are of the ground."""
+OBJECT_SHARE = 0.6
+"""Of the voxels of an observation scene lie on objects: the table's area is many times theirs."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +62,38 @@ class PaintedMesh:
         """(F,) roughness of each face."""
         values = [material.named.ward.alpha for material in self.materials]
         return np.array(values, np.float32)[self.material_of_face]
+
+    def at_faces(self, faces: NDArray[np.int64]) -> VoxelMaterials:
+        """Materials of V voxels.
+
+        Args:
+            faces: (V,) index of the face that each lies on.
+        """
+        truths = [
+            MaterialTruth(
+                material.named.ward,
+                material.named.source.value,
+                material.named.name,
+                material.part,
+                material.texture,
+            )
+            for material in self.materials
+        ]
+        ids = self.material_of_face[faces].astype(np.uint16)
+        return VoxelMaterials(tuple(truths), ids, self.rho_d[faces])
+
+    def densities(self) -> NDArray[np.float64]:
+        """(F,) relative density of points under which objects have :data:`OBJECT_SHARE` of them."""
+        is_object = np.array([material.part.startswith(OBJECT) for material in self.materials])
+        on_object, areas = is_object[self.material_of_face], self.mesh.face_areas
+        objects, ground = areas[on_object].sum(), areas[~on_object].sum()
+        weights = np.where(on_object, OBJECT_SHARE / objects, (1.0 - OBJECT_SHARE) / ground)
+        return np.asarray(weights * (objects + ground))
+
+    def largest(self) -> NamedMaterial:
+        """The material of the largest area."""
+        areas = np.bincount(self.material_of_face, self.mesh.face_areas, len(self.materials))
+        return self.materials[int(areas.argmax())].named
 
     def shifted(self, offset: NDArray[np.float64]) -> PaintedMesh:
         """The same at another place; ``offset`` (3,) in metres.

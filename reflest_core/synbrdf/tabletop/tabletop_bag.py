@@ -17,8 +17,8 @@ from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.synbrdf.generation.data_set import SKIES
 from reflest_core.synbrdf.generation.whole_folder import whole_folder
 from reflest_core.synbrdf.lights.environments import find_environments, procedural_skies
-from reflest_core.synbrdf.path_tracing.mitsuba_scene import mitsuba_scene
-from reflest_core.synbrdf.path_tracing.sparse_scene import visible_pairs
+from reflest_core.synbrdf.path_tracing.mitsuba_scene import TABLETOP_DEPTH, mitsuba_scene
+from reflest_core.synbrdf.path_tracing.sight import in_image, visible_pairs
 from reflest_core.synbrdf.realism.settings import Realism
 from reflest_core.synbrdf.room.room_scene import RoomBuilder
 from reflest_core.synbrdf.scenes.material_sources import OPENSURFACES, Materials
@@ -36,8 +36,6 @@ from reflest_core.synbrdf.tabletop.tabletop_scene import (
 )
 from reflest_core.synbrdf.tabletop.truth import material_cards, truth_points, write_truth
 
-PATH_DEPTH = 6
-"""Mitsuba's ``max_depth``: light between objects and table is part of what is seen."""
 TRUTH_POINTS = 200_000
 _STREAM = 0x7AB1
 """Keeps a tabletop's random numbers apart from other scenes' of the same seed."""
@@ -111,7 +109,7 @@ def write_tabletop(out: Path, request: TabletopRequest, command: str) -> None:
         request.samples,
         request.rate,
         request.realism,
-        PATH_DEPTH,
+        TABLETOP_DEPTH,
     )
     film = Film(Stage(rendered, scene.light.radiance, scene.poses, scene.room), settings)
     points = seen_points(scene, rendered, film.camera, request.seed)
@@ -149,22 +147,12 @@ def seen_points(
     positions, normals, faces = draw_surface_points(scene.painted.mesh, TRUTH_POINTS, rng)
     views = np.zeros(len(positions), np.int64)
     for pose in scene.poses:
-        within = np.flatnonzero(_in_image(positions, camera, pose))
+        within = np.flatnonzero(in_image(positions, camera, pose))
         centre = pose[None, :3, 3].astype(np.float32)
         seen, _ = visible_pairs(rendered, positions[within], normals[within], centre)
         views[within[seen]] += 1
     kept = views > 0
     return truth_points(scene.painted, positions[kept], normals[kept], faces[kept], views[kept])
-
-
-def _in_image(
-    positions: NDArray[np.float32], camera: CameraIntrinsics, pose: NDArray[np.float64]
-) -> NDArray[np.bool_]:
-    x, y, z = ((positions - pose[:3, 3]) @ pose[:3, :3]).T
-    depth = np.maximum(z, 1e-6)
-    u, v = camera.fx * x / depth + camera.cx, camera.fy * y / depth + camera.cy
-    is_across = (u > -0.5) & (u < camera.width - 0.5)
-    return np.asarray((z > 0.0) & is_across & (v > -0.5) & (v < camera.height - 0.5))
 
 
 def _card(
@@ -185,7 +173,7 @@ def _card(
         "exposure": exposure,
         "seed": request.seed,
         "frames": request.frames,
-        "path_depth": PATH_DEPTH,
+        "path_depth": TABLETOP_DEPTH,
         "true_poses": scene.poses.tolist(),
         "realism": None if request.realism is None else dataclasses.asdict(request.realism),
         "command": command,

@@ -15,8 +15,9 @@ from reflest_core.synbrdf.lights.environments import load_environment, rotated
 from reflest_core.synbrdf.room.draw import draw_room
 from reflest_core.synbrdf.room.geometry import Room
 from reflest_core.synbrdf.scenes.material_sources import Materials
-from reflest_core.synbrdf.scenes.scene import ROOM, Light
-from reflest_core.synbrdf.scenes.splits import Sources
+from reflest_core.synbrdf.scenes.scene import ROOM, Light, Scene
+from reflest_core.synbrdf.scenes.seeding import Purpose, generator
+from reflest_core.synbrdf.scenes.splits import Sources, Split
 from reflest_core.synbrdf.sequences.trajectory import Orbit, hand_held_orbit
 from reflest_core.synbrdf.tabletop.ground import Setting, draw_ground
 from reflest_core.synbrdf.tabletop.objects import draw_objects
@@ -28,6 +29,8 @@ ORBITS = {
     Setting.TABLE: Orbit((0.55, 0.9), (22.0, 65.0), (240.0, 380.0)),
     Setting.CORNER: Orbit((0.55, 0.9), (20.0, 55.0), (70.0, 110.0), middle=225.0),
 }
+SPARSE_HEIGHT = 128
+"""Rows of the environment map of observation scenes."""
 AIM_DIAMETER = 0.4
 """Metres of the middle of the ground that the camera's aim wanders over."""
 
@@ -108,6 +111,47 @@ def draw_tabletop(
         room = draw_room(of_room, painted.mesh, poses, light.radiance, has_table=False)
         light = dataclasses.replace(light, name=f"{ROOM}+{light.name}" if room.windows else ROOM)
     return TabletopScene(setting, painted, shapes, light, room, poses)
+
+
+def draw_tabletop_scene(
+    seed: int,
+    split: Split,
+    index: int,
+    sources: Sources,
+    views: int,
+    materials: Materials,
+    is_near: bool,
+) -> Scene:
+    """Draw an observation scene; the same arguments give the same one.
+
+    Args:
+        seed: Of the data set.
+        split: Train, validation or unseen.
+        index: Within the split.
+        sources: Environments and meshes of the split.
+        views: Cameras.
+        materials: What the split's materials are drawn from.
+        is_near: Whether all scenes stand in rooms; else as the seed decides.
+    """
+    rng = generator(seed, split, index, Purpose.DRAW_TABLETOP)
+    light = TabletopLight.NEAR if is_near else None
+    choices = TabletopChoices(light=light, environment_height=SPARSE_HEIGHT)
+    drawn = draw_tabletop(rng, sources, materials, views, choices)
+    largest = drawn.painted.largest()
+    return Scene(
+        split,
+        index,
+        largest.ward,
+        "+".join(drawn.shapes),
+        drawn.painted.mesh,
+        drawn.light,
+        drawn.poses,
+        drawn.setting.value,
+        drawn.room,
+        largest.source.value,
+        largest.name,
+        drawn.painted,
+    )
 
 
 def _draw_light(rng: np.random.Generator, sources: Sources, height: int) -> Light:

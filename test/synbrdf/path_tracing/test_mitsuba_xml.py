@@ -18,10 +18,10 @@ from reflest_core.synbrdf.path_tracing.mitsuba_scene import (
     mi,
     mitsuba_scene,
 )
-from reflest_core.synbrdf.path_tracing.sparse_scene import camera_rays
+from reflest_core.synbrdf.path_tracing.sight import camera_rays
 from reflest_core.synbrdf.path_tracing.ward_bsdf import ward_bsdf
 from reflest_core.synbrdf.scenes.splits import Split
-from reflest_core.synbrdf.sequences.filming import depth_camera
+from reflest_core.synbrdf.scenes.views import depth_camera
 
 GENERATION = Generation(3, {"train": 10, "validation": 4, "unseen": 4}, views=8)
 CAMERA = depth_camera(96, 72)

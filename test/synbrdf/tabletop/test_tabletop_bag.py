@@ -15,7 +15,7 @@ from reflest_core.cli.main import main
 from reflest_core.synbrdf.path_tracing.mitsuba_scene import RadianceTracer, mitsuba_scene
 from reflest_core.synbrdf.path_tracing.ward_bsdf import ward_bsdf
 from reflest_core.synbrdf.scenes.material_sources import MaterialSource, NamedMaterial
-from reflest_core.synbrdf.sequences.filming import depth_camera
+from reflest_core.synbrdf.scenes.views import depth_camera
 from reflest_core.synbrdf.tabletop.face_ward_bsdf import face_ward_bsdf
 from reflest_core.synbrdf.tabletop.texture import two_materials
 from reflest_core.synbrdf.tabletop.truth import POINT, read_cloud
