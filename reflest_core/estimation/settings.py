@@ -81,7 +81,7 @@ class EstimationSettings:
         maximum=1.0,
     )
     gloss_voxels: int = parameter(
-        300,
+        200,
         "Voxels of one material whose highlights tell lightnet's alpha, at about 0.1 ms each; "
         "fewer leave more uncertainty.",
         minimum=30,

@@ -25,8 +25,6 @@ ALPHAS = np.geomspace(0.01, 0.35, 12)
 REFERENCE = 7
 """Index of the roughness whose lobe decides how far an observation's light was seen. One for all
 roughnesses, so that all are compared on the same observations."""
-MOST_OBSERVATIONS = 24
-"""Of one voxel; more are thinned evenly over the order in which they were made."""
 WIDENING = 2.0
 TRUST = 3.0
 """Power of a lobe's seen share by which its observation counts."""
@@ -100,11 +98,6 @@ class _Observations:
         rows = np.repeat(starts, counts) + np.arange(counts.sum())
         rows = rows[rated.is_usable[rows]]
         usable = rated.counts[voxels]
-        taken = np.minimum(usable, MOST_OBSERVATIONS)
-        place = np.arange(taken.sum()) - np.repeat(np.cumsum(taken) - taken, taken)
-        first = np.repeat(np.cumsum(usable) - usable, taken)
-        rows = rows[first + place * np.repeat(usable, taken) // np.repeat(taken, taken)]
-        usable = taken
         towards = surface.view_centres[surface.view_indices[rows]]
         towards = towards - np.repeat(surface.positions[voxels], usable, axis=0)
         directions = towards / np.linalg.norm(towards, axis=1, keepdims=True)

@@ -32,13 +32,13 @@ from reflest_core.surface.observed_surface import ObservedSurface
 
 STEEPEST = 0.3
 """Cosine between normal and view, below which an observation is not used."""
-FEWEST_OBSERVATIONS = 4
-"""Of a voxel that is chosen."""
+FEWEST_OBSERVATIONS, MOST_OBSERVATIONS = 4, 16
+"""Of a voxel that is chosen; more are thinned evenly over the order in which they were made."""
 GOOD_NORMAL = math.radians(3.0)
 """Standard deviation of a normal, up to which a voxel is chosen."""
 FEWEST_GOOD, FAIR_NORMAL = 200, math.radians(6.0)
 """With fewer voxels of good normals, so many of fair normals are taken."""
-CHOSEN = 300
+CHOSEN = 200
 """Voxels whose observations are explained."""
 USUAL_GLOSS = 0.05
 """``rho_s`` for which information is predicted."""
@@ -50,7 +50,7 @@ class RatedSurface:
 
     Attributes:
         deviations: (V,) of normals about each tangent axis, radians.
-        is_usable: (O,) observations from above whose mirrored ray leaves the object.
+        is_usable: (O,) rated observations from above whose mirrored ray leaves the object.
         counts: (V,) usable observations.
         information: (V,) predicted Fisher information about ``ln alpha`` at a usual ``rho_s``.
     """
@@ -142,7 +142,10 @@ def _rate(
         start_x = (px - origin[0]) / cell_size + START * nx
         start_y = (py - origin[1]) / cell_size + START * ny
         start_z = (pz - origin[2]) / cell_size + START * nz
-        for o in range(offsets[voxel], offsets[voxel + 1]):
+        first_row, made = offsets[voxel], offsets[voxel + 1] - offsets[voxel]
+        taken = min(made, MOST_OBSERVATIONS)
+        for slot in range(taken):
+            o = first_row + slot * made // taken
             view = view_indices[o]
             dx, dy, dz = (
                 view_centres[view, 0] - px,
