@@ -18,7 +18,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from reflest_core.errors import ReflestError
-from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 from reflest_ros.inputs.qos import OUTPUT_QOS
 from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
 from reflest_ros.outputs.estimate_message import estimate_from_message
@@ -63,6 +63,8 @@ class EstimateListener(Node):
 
     def _on_estimate(self, message: BrdfEstimateMessage) -> None:
         estimate = estimate_from_message(message)
+        if estimate.status is EstimateStatus.UNKNOWN:
+            return  # a new scan begins
         red, green, blue = estimate.rho_d
         print(
             f"  /reflectance/brdf  rho_d {red:.3f} {green:.3f} {blue:.3f}  rho_s "

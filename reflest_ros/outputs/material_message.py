@@ -15,6 +15,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from reflest_core.estimation.estimate import SCHEMA_VERSION, EstimateStatus
 from reflest_core.estimation.material_map import MaterialEstimate, MaterialMap
+from reflest_core.inference.joint_light import JointLight
 from reflest_core.rendering.material_labels import material_colour
 from reflest_core.surface.partition import UNASSIGNED
 from reflest_ros.inputs.core_messages import ns_to_stamp
@@ -100,13 +101,19 @@ def map_to_message(materials: MaterialMap, latency: float) -> MaterialMapMessage
         voxel_count=int((materials.surface.observation_counts > 0).sum()),
         unassigned_voxel_count=int((materials.material_ids == UNASSIGNED).sum()),
         light_seen=math.nan if light is None else float(light.observed.coverage.mean()),
-        light_stddev=math.nan,
+        light_stddev=math.nan if joint is None else _light_stddev(joint.light),
         light_condition=math.nan,
         latency=latency,
     )
     message.header.stamp = ns_to_stamp(materials.stamp_ns)
     message.header.frame_id = materials.world_frame_id
     return message
+
+
+def _light_stddev(light: JointLight) -> float:
+    """The light's mean standard deviation over its mean radiance."""
+    mean = float(light.light.levels[0][..., :3].mean())
+    return float(light.deviation().mean()) / mean if mean > 0.0 else math.nan
 
 
 def empty_map() -> MaterialMapMessage:

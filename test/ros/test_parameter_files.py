@@ -11,7 +11,7 @@ import pytest
 
 from reflest_core.estimation.settings import NODE_GROUPS
 from reflest_core.parameter_file import NODE_NAME, read_parameter_file
-from reflest_ros import node_name
+from reflest_ros import settings as node_settings
 from reflest_ros.settings import NodeSettings
 from test.core.test_parameter_file import NODES, SCALARS
 
@@ -53,5 +53,5 @@ def test_values_are_those_that_rclpy_reads(tmp_path, text, namespace, name):
 
 
 def test_the_replay_knows_the_nodes_name_and_groups():
-    assert node_name.NODE_NAME == NODE_NAME
+    assert node_settings.NODE_NAME == NODE_NAME
     assert {group.name for group in dataclasses.fields(NodeSettings)} <= set(NODE_GROUPS)
