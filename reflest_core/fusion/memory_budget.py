@@ -38,6 +38,18 @@ OBSERVATIONS_PER_VOXEL = 24
 class MemoryBudgetError(ReflestError):
     """The machine cannot give what ``memory_budget_mb`` asks for, or a scan needs more."""
 
+    @classmethod
+    def of(cls, settings: FusionSettings) -> MemoryBudgetError:
+        """Say that the machine cannot give the budget.
+
+        Args:
+            settings: With the budget.
+        """
+        return cls(
+            f"memory_budget_mb = {settings.memory_budget_mb:g} MB is more than this machine can "
+            "give: lower it"
+        )
+
 
 @dataclass(frozen=True)
 class MemoryBudget:

@@ -11,15 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
+from reflest_core.fusion.frames import sight
 from reflest_core.fusion.frames.background_light import background_pixels, sampling_step
 from reflest_core.fusion.frames.foreground import classify_pixels
 from reflest_core.fusion.frames.region import Region, RegionShape
-from reflest_core.fusion.frames.sight import (
-    KnownSurface,
-    check_reach,
-    check_stamp,
-    refusal_without_surface,
-)
 from reflest_core.fusion.frames.visibility import visible_voxels
 from reflest_core.fusion.frames.window import cropped, object_window
 from reflest_core.fusion.frames.work_sphere import WorkSphere, without_holes
@@ -85,10 +80,7 @@ class Scan:
                 budget.voxels, budget.chunks, self.fusion.observations_per_voxel
             )
         except MemoryError:
-            raise MemoryBudgetError(
-                f"memory_budget_mb = {self.fusion.memory_budget_mb:g} MB is more than this machine "
-                "can give: lower it"
-            ) from None
+            raise MemoryBudgetError.of(self.fusion) from None
         self.views = ViewTable(budget.views)
         self.light = LightMap()
         self.work_sphere = WorkSphere()
@@ -126,8 +118,8 @@ class Scan:
             FrameRefused: ``TIME_BACKWARDS``, ``POSE_INVALID``, ``DEPTH_EMPTY`` or ``NO_OVERLAP``;
                 nothing has changed.
         """
-        check_stamp(frame, self._clock_ns)
-        check_reach(frame, self.fusion)
+        sight.check_stamp(frame, self._clock_ns)
+        sight.check_reach(frame, self.fusion)
         whole, sphere, region = frame, self.work_sphere, self.region
         if self._is_scene(frame):
             sphere = sphere.updated(frame, self.fusion)
@@ -138,7 +130,7 @@ class Scan:
         shows_surface = bool(np.any(pixels.surface))
         if not shows_surface and not self._looks_away(whole):
             radius = self.work_sphere.radius(self.fusion) if self.work_sphere.frames else 0.0
-            raise refusal_without_surface(whole, self.region, self.fusion, radius)
+            raise sight.refusal_without_surface(whole, self.region, self.fusion, radius)
         is_foreground = np.zeros(whole.depth.shape, np.bool_)
         is_foreground[window.slices] = pixels.foreground
         self.last_stamp_ns = self._clock_ns = frame.stamp_ns
@@ -232,7 +224,7 @@ class Scan:
             rows: (R,) rows of the store that the frame sees.
             colours: (R, 3) 8-bit sRGB, their colours in this frame.
         """
-        centre, radius = self._light_centre(frame, KnownSurface(positions))
+        centre, radius = self._light_centre(frame, sight.KnownSurface(positions))
         if self._is_scene(frame):
             is_foreground = without_holes(frame.depth, is_foreground, sampling_step(frame))
         self.light.add_frame(
@@ -241,7 +233,7 @@ class Scan:
         )
 
     def _light_centre(
-        self, frame: Frame, surface: KnownSurface
+        self, frame: Frame, surface: sight.KnownSurface
     ) -> tuple[NDArray[np.float64], float]:
         """From where directions of light count, and how far from there what gives light is."""
         if self._is_scene(frame):
@@ -388,8 +380,8 @@ class Scan:
         """Whether a surface is known by now, and the frame shows what lies beside it."""
         return self.store.count > 0 and not self._known_surface().is_in_sight(frame)
 
-    def _known_surface(self) -> KnownSurface:
-        return KnownSurface.of(self.store.rows.positions[: self.store.count])
+    def _known_surface(self) -> sight.KnownSurface:
+        return sight.KnownSurface.of(self.store.rows.positions[: self.store.count])
 
     def _add_view(
         self,

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.observations import observation_rows
+from reflest_core.fusion.observations import observation_queries, observation_rows
 from reflest_core.fusion.observations.eviction import least_worthy
 from reflest_core.fusion.observations.observation_chunks import CHUNK, ChunkPool
 from reflest_core.fusion.observations.observation_rows import ObservationRows
@@ -129,7 +129,7 @@ class ObservationStore:
             threads,
             len(selected),
             LEAST_SHARE,
-            observation_rows.gather_observations,
+            observation_queries.gather_observations,
             self.rows,
             self.pool.chunks,
             selected,
@@ -255,7 +255,7 @@ class ObservationStore:
             threads,
             len(selected),
             LEAST_SHARE,
-            observation_rows.rows_unseen_from,
+            observation_queries.rows_unseen_from,
             self.rows,
             self.pool.chunks,
             selected,

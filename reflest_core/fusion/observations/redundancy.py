@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.frames.foreground import FramePixels
 from reflest_core.fusion.observations.observation_chunks import ObservationChunks
-from reflest_core.fusion.observations.observation_rows import ObservationRows, has_seen
+from reflest_core.fusion.observations.observation_queries import has_seen
+from reflest_core.fusion.observations.observation_rows import ObservationRows
 from reflest_core.fusion.observations.observation_store import ObservationStore, marked
 from reflest_core.fusion.observations.views import ViewTable
 from reflest_core.jit import compiled, kernel_array
