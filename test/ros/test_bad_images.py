@@ -71,9 +71,9 @@ def test_a_size_that_is_not_the_calibrations(feed):
 def test_a_distortion_that_is_not_applied(feed):
     view = feed.next_view()
     info = camera_info_message(view)
-    info.distortion_model, info.d = "equidistant", [0.1, 0.0, 0.0, 0.0]
+    info.distortion_model, info.d = "omni", [0.1, 0.0, 0.0, 0.0]
     feed.send(view, info=info)
-    feed.expect_refusal("camera_info_invalid", CAMERA_INFO, "equidistant", "plumb_bob")
+    feed.expect_refusal("camera_info_invalid", CAMERA_INFO, "omni", "plumb_bob")
     feed.send_good()
 
 
