@@ -10,7 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from reflest_core.environment.environment_map import environment_map
+from reflest_core.environment.environment_map import (
+    EnvironmentMap,
+    environment_map,
+    from_octahedral,
+)
 from reflest_core.estimation.material_map import MaterialMap
 from reflest_core.export.asset import Asset, AssetMaterial, AssetMesh
 from reflest_core.export.atlas import Atlas, unwrapped
@@ -88,15 +92,23 @@ def scan_asset(
     size = settings.texture_size or _texture_size(mesh, scan.fusion.voxel_size)
     atlas = unwrapped(mesh, labels, size)
     texture = _baked(mesh, labels, atlas, voxels, materials, scan.fusion.voxel_size)
-    light = upright(found.surface, settings.up)
-    has_light = light.light is not None and light.light.seen_share > 0.0
     return Asset(
         name,
         _upright_mesh(mesh, labels, atlas, voxels, found, settings.up),
         materials,
         texture,
-        environment_map(light) if has_light else None,
+        _light(found, settings.up),
     )
+
+
+def _light(found: MaterialMap, up: tuple[float, float, float]) -> EnvironmentMap | None:
+    """The light that the materials were estimated in, z up."""
+    if found.light is not None:
+        return from_octahedral(found.light.completed.levels[0])
+    surface = upright(found.surface, up)
+    if surface.light is None or not surface.light.seen_share > 0.0:
+        return None
+    return environment_map(surface)
 
 
 class _Voxels:

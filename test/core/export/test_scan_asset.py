@@ -15,6 +15,8 @@ from reflest_core.export.microfacet_material import MicrofacetMaterial
 from reflest_core.export.scan_asset import AssetSettings, scan_asset
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.inference.light import SceneLight
+from reflest_core.light.completion import LightPyramid
 from test.core.export.scanned_ball import (
     BRIGHT,
     DARK,
@@ -132,6 +134,18 @@ def test_a_doubtful_estimate_is_named_in_one_sentence(asset):
     assert asset.warning == (
         "1 of 2 materials have a doubtful estimate: ball_material_3 (UNCERTAIN_GLOSS)"
     )
+
+
+def test_the_light_is_the_one_that_the_materials_were_estimated_in():
+    scan, found = scanned_ball()
+    level = np.zeros((96, 96, 5), np.float32)
+    level[..., :3] = [0.5, 1.0, 2.0]
+    pyramid = LightPyramid([level], np.zeros((96, 96, 3), np.float32))
+    light = SceneLight(found.surface.light, pyramid, pyramid, None, {}, {})
+    asset = scan_asset(
+        scan, dataclasses.replace(found, light=light), "ball", AssetSettings(faces=500)
+    )
+    np.testing.assert_allclose(asset.light.radiance, np.broadcast_to([0.5, 1, 2], (128, 256, 3)))
 
 
 def test_the_same_scan_gives_the_same_asset(asset):
