@@ -76,6 +76,7 @@ def _write_figures(data: Path, out: Path) -> None:
 
 def _write_contact_sheet(arguments: argparse.Namespace) -> None:
     from reflest_core.synbrdf.card.contact_sheet import contact_sheet
+    from reflest_core.synbrdf.generation.data_set import Product
     from reflest_core.synbrdf.path_tracing.image_files import write_rgb
     from reflest_core.synbrdf.scenes.scene import Lighting
     from reflest_core.synbrdf.scenes.splits import Split
@@ -86,6 +87,8 @@ def _write_contact_sheet(arguments: argparse.Namespace) -> None:
     sheet = contact_sheet(generation, split, rows, COLUMNS)
     is_natural = generation.lighting is Lighting.NATURAL
     kind = split.value if is_natural else f"{generation.lighting.value}-{split.value}"
+    if generation.product is Product.TABLETOP:
+        kind = f"tabletop-{kind}"
     write_rgb(arguments.out / f"contact-sheet-{kind}.jpg", sheet, QUALITY)
 
 

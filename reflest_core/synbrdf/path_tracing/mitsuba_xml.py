@@ -38,6 +38,10 @@ class RoomNotWritten(ReflestError):
     """A scene stands in a room, which these files do not hold."""
 
 
+class MaterialsNotWritten(ReflestError):
+    """A scene has several materials, which these files do not hold."""
+
+
 def write_scene(
     folder: Path, scene: Scene, camera: CameraIntrinsics, views: list[int], samples: int
 ) -> None:
@@ -52,7 +56,13 @@ def write_scene(
 
     Raises:
         RoomNotWritten: if the scene stands in a room.
+        MaterialsNotWritten: if the scene has several materials.
     """
+    if scene.painted is not None:
+        raise MaterialsNotWritten(
+            f"{folder.name} has several materials, which Mitsuba files do not hold: use --product "
+            "object, or 'reflest synbrdf images'"
+        )
     if scene.room is not None:
         raise RoomNotWritten(
             f"{folder.name} stands in a room, which Mitsuba files do not hold yet: use --lighting "

@@ -17,7 +17,7 @@ from tqdm import tqdm
 
 from reflest_core.brdf.gloss import to_labcd
 from reflest_core.errors import ReflestError
-from reflest_core.synbrdf.generation.data_set import Generation
+from reflest_core.synbrdf.generation.data_set import Generation, Product
 from reflest_core.synbrdf.generation.whole_folder import whole_folder
 from reflest_core.synbrdf.path_tracing.full_image import FullImage, FullImageRenderer
 from reflest_core.synbrdf.path_tracing.image_files import (
@@ -26,6 +26,7 @@ from reflest_core.synbrdf.path_tracing.image_files import (
     write_mask,
     write_rgb,
 )
+from reflest_core.synbrdf.path_tracing.mitsuba_scene import PATH_DEPTH, TABLETOP_DEPTH
 from reflest_core.synbrdf.path_tracing.sparse_scene import Overview, SparseRenderer, SparseSettings
 from reflest_core.synbrdf.realism.camera_faults import CameraFaults, draw_camera_faults
 from reflest_core.synbrdf.realism.settings import LOSSLESS, Effect, streams
@@ -66,7 +67,9 @@ class SceneImages:
         """
         self.generation = generation
         self.camera, self.samples = depth_camera(width, height), samples
-        self.renderer = FullImageRenderer(self.camera, samples)
+        is_tabletop = generation.product is Product.TABLETOP
+        depth = TABLETOP_DEPTH if is_tabletop else PATH_DEPTH
+        self.renderer = FullImageRenderer(self.camera, samples, depth)
         self.sparse = SparseRenderer(SparseSettings(views=generation.views))
 
     def write(self, out: Path, split: Split, index: int, views: list[int]) -> Path:
@@ -181,6 +184,7 @@ class SceneImages:
             "lab": labcd.lab,
             "c": labcd.c,
             "d": labcd.d,
+            **({} if scene.painted is None else {"materials": scene.painted.cards()}),
             "split": scene.split.value,
             "index": scene.index,
             "shape": scene.shape,

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,11 @@ class SceneMaterial:
     named: NamedMaterial
     part: str
     texture: str
+
+    def truth(self) -> MaterialTruth:
+        """As files hold it."""
+        named = self.named
+        return MaterialTruth(named.ward, named.source.value, named.name, self.part, self.texture)
 
 
 @dataclass(frozen=True)
@@ -69,18 +75,13 @@ class PaintedMesh:
         Args:
             faces: (V,) index of the face that each lies on.
         """
-        truths = [
-            MaterialTruth(
-                material.named.ward,
-                material.named.source.value,
-                material.named.name,
-                material.part,
-                material.texture,
-            )
-            for material in self.materials
-        ]
+        truths = tuple(material.truth() for material in self.materials)
         ids = self.material_of_face[faces].astype(np.uint16)
-        return VoxelMaterials(tuple(truths), ids, self.rho_d[faces])
+        return VoxelMaterials(truths, ids, self.rho_d[faces])
+
+    def cards(self) -> list[dict[str, Any]]:
+        """What a JSON file says of the materials, by id."""
+        return [material.truth().card() for material in self.materials]
 
     def densities(self) -> NDArray[np.float64]:
         """(F,) relative density of points under which objects have :data:`OBJECT_SHARE` of them."""

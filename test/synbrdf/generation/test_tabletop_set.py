@@ -12,6 +12,7 @@ pytest.importorskip("mitsuba")
 from reflest_core.synbrdf.generation.data_set import Generation, GenerationRefused, Product
 from reflest_core.synbrdf.generation.generate import generate
 from reflest_core.synbrdf.generation.process_pool import process_pool
+from reflest_core.synbrdf.path_tracing.mitsuba_xml import MaterialsNotWritten, write_scene
 from reflest_core.synbrdf.path_tracing.sparse_scene import SparseRenderer, SparseSettings
 from reflest_core.synbrdf.realism.settings import Effect, Realism
 from reflest_core.synbrdf.scenes.material_sources import Materials, MaterialSource
@@ -25,6 +26,7 @@ from reflest_core.synbrdf.scenes.scene_file import (
 )
 from reflest_core.synbrdf.scenes.splits import Split
 from reflest_core.synbrdf.scenes.surface_points import SurfaceKind
+from reflest_core.synbrdf.scenes.views import depth_camera
 
 FITS = (
     "material,rho_d_r,rho_d_g,rho_d_b,rho_s_r,rho_s_g,rho_s_b,alpha\n"
@@ -121,3 +123,11 @@ def test_fused_voxels_lie_near_the_surface_with_the_errors_of_fusion():
 def test_what_tabletops_do_not_have_is_refused(options):
     with pytest.raises(GenerationRefused, match="--product tabletop goes with"):
         Generation(1, {"train": 1}, product=Product.TABLETOP, **options)
+
+
+def test_mitsuba_files_hold_no_several_materials(tmp_path):
+    generation = Generation(2, {"train": 1}, views=2, product=Product.TABLETOP)
+    scene = generation.scene(Split.TRAIN, 0)
+    with pytest.raises(MaterialsNotWritten, match="--product object"):
+        write_scene(tmp_path / "xml", scene, depth_camera(64, 48), [0], 4)
+    assert list(tmp_path.iterdir()) == []
