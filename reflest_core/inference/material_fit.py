@@ -25,7 +25,6 @@ FIRST_GLOSS = 1.0
 wrongly expected decides."""
 PRIOR = 1.0
 """Inverse variance of ``rho_s`` about 0: with hardly any evidence there is no gloss."""
-SMALLEST_MISFIT = 1e-6
 SHARPNESS = 40.0
 """How fast a roughness loses weight as its misfit grows: the power of the misfit's inverse."""
 

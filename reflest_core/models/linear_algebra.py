@@ -24,6 +24,17 @@ _limit = ExitStack()
 _holders = 0
 
 
+def product(left: Array, right: Array, out: Array | None = None) -> Array:
+    """Multiply matrices.
+
+    Args:
+        left: (..., N).
+        right: (N, M).
+        out: (..., M), where the result goes; None makes an array.
+    """
+    return np.asarray(np.matmul(left, right, out=out))
+
+
 class DenseLayer(NamedTuple):
     """A fully connected layer.
 
@@ -58,7 +69,7 @@ class DenseLayer(NamedTuple):
             (..., outputs).
         """
         out = None if space is None else space[: len(values)]
-        products: Array = np.matmul(values, self.weight, out=out)
+        products = product(values, self.weight, out)
         products += self.bias
         return products
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from reflest_core.brdf.parameters import PARAMETERS
 from reflest_core.inference.material import Explanation
 from reflest_core.jit import compiled
+from reflest_core.models import linear_algebra
 from reflest_core.models.definition import Scores
 from reflest_core.models.grouplet.grouplets import (
     BRANCH_INPUTS,
@@ -119,7 +120,7 @@ class LiveGrouplet:
         products = space.products[: len(rows)]
         for place, matrix in enumerate(self._places):
             part = slice(ends[place], ends[place + 1])
-            np.matmul(paired[part], matrix, out=products[part])
+            linear_algebra.product(paired[part], matrix, products[part])
         inputs = space.inputs[: len(members)]
         _add_up(products, summands, drawn.normals[nodes], *self._normal, inputs)
         return self._node.tanh(np.tanh(inputs, out=inputs), space.nodes)

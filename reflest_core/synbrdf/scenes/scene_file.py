@@ -26,7 +26,6 @@ from reflest_core.synbrdf.scenes.voxel_materials import (
     ward_card,
     ward_from_card,
 )
-from reflest_core.whole_file import write_whole
 
 FORMAT = "synbrdf-sparse-2"
 NEAR_FORMAT = "synbrdf-sparse-3"
@@ -108,16 +107,6 @@ class SynbrdfScene:
             material_name=material.name,
             materials=None,
         )
-
-
-def save_shard(path: Path, scenes: list[SynbrdfScene]) -> None:
-    """Write atomically; equal scenes give equal bytes.
-
-    Args:
-        path: the file.
-        scenes: of the data set.
-    """
-    write_whole(path, shard_bytes(scenes))
 
 
 def shard_bytes(scenes: list[SynbrdfScene]) -> bytes:

@@ -85,9 +85,18 @@ def test_a_little_of_the_light_is_low_and_a_lamp_is_clipped(weights):
     assert "lower the exposure" in lamp.status_text
 
 
-def test_the_network_looks_at_the_light(weights):
-    even, half = (estimate(lit(SURFACE, seen=seen), weights) for seen in (1.0, 0.4))
-    assert even.rho_d != half.rho_d
+def test_the_same_colours_under_stronger_light_are_of_a_darker_surface():
+    surface = lit(sphere_surface(voxels=600))
+
+    def albedo(strength):
+        light = surface.light
+        radiance = (strength * light.radiance).astype(np.float32)
+        other = dataclasses.replace(surface, light=dataclasses.replace(light, radiance=radiance))
+        return np.array(estimate(other, "").rho_d)
+
+    dim, even, bright = map(albedo, (0.5, 1.0, 2.0))
+    assert (dim > 2.0 * even).all()
+    assert (even > 2.0 * bright).all()
 
 
 def test_the_light_is_turned_upright_with_the_surface(weights):

@@ -9,6 +9,7 @@ import pytest
 
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
+from reflest_core.models import linear_algebra
 from reflest_core.models.grouplet import live as live_grouplet
 from reflest_core.models.registry import models, network_of_model
 from reflest_core.surface import voxel_choice
@@ -25,12 +26,12 @@ REGRESSOR = 256 * 128 + 128 * 128 + 128 * 5
 def work(monkeypatch):
     """Counts multiplications and distances while an estimate is made."""
     done = Counter()
-    matmul, cluster = np.matmul, voxel_choice._k_centre_clusters
+    product, cluster = linear_algebra.product, voxel_choice._k_centre_clusters
     draw = live_grouplet.draw_grouplets
 
-    def counted_matmul(left, right, out=None):
+    def counted_product(left, right, out=None):
         done["multiplications"] += left.size * right.shape[-1]
-        return matmul(left, right, out=out)
+        return product(left, right, out)
 
     def counted_cluster(points, count):
         done["distances"] += points.shape[1] * count
@@ -44,7 +45,7 @@ def work(monkeypatch):
         done["pairs"] += sum(map(len, places))
         return drawn
 
-    monkeypatch.setattr(np, "matmul", counted_matmul)
+    monkeypatch.setattr(linear_algebra, "product", counted_product)
     monkeypatch.setattr(voxel_choice, "_k_centre_clusters", counted_cluster)
     monkeypatch.setattr(live_grouplet, "draw_grouplets", counted_draw)
     return done

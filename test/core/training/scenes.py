@@ -7,7 +7,7 @@ import json
 import numpy as np
 
 from reflest_core.brdf.parameters import WardParameters
-from reflest_core.synbrdf.scenes.scene_file import MANIFEST, SynbrdfScene, save_shard
+from reflest_core.synbrdf.scenes.scene_file import MANIFEST, SynbrdfScene, shard_bytes
 from reflest_core.synbrdf.scenes.thumbnails import Thumbnails
 from reflest_core.synbrdf.scenes.views import look_at
 from reflest_core.training.data.sample import Sample
@@ -39,7 +39,7 @@ def write_synbrdf(folder, lights=LIGHTS, **counts):
             stored_scene(sample, split, index, lights[index % len(lights)])
             for index, sample in enumerate(samples)
         ]
-        save_shard(folder / f"{split}-00000.safetensors", scenes)
+        (folder / f"{split}-00000.safetensors").write_bytes(shard_bytes(scenes))
     return folder
 
 
