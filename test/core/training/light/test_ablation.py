@@ -19,7 +19,7 @@ from test.core.surfaces import sphere_surface
 from test.core.training.light.scans import made_scans
 
 FITS = ["voxel_fit", "scene_fit", "channel_statistics", "statistics"]
-FITS += ["found_albedo", "found_gloss"]
+FITS += ["found_albedo", "found_gloss", "gloss_evidence", "gloss_answers"]
 SHARES = ["lobe_seen", "lobe_clipped", "diffuse_seen", "diffuse_clipped"]
 
 
