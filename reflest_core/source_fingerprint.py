@@ -9,9 +9,12 @@ import hashlib
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from threading import Lock
 
 PACKAGE = "reflest_core"
 ROOT = Path(__file__).parent
+_ONE_AT_A_TIME = Lock()
+"""Python 3.11's parser fails with a SystemError when two threads use it (CPython issue 106905)."""
 
 
 def imported_sources(*modules: str, root: Path = ROOT) -> list[Path]:
@@ -42,7 +45,7 @@ def imported_sources(*modules: str, root: Path = ROOT) -> list[Path]:
             waiting.append(name.rpartition(".")[0])  # importing a module runs its packages
         waiting += [
             one
-            for one in _imports(ast.parse(path.read_text()))
+            for one in _imports(_parsed(path))
             if one.split(".")[0] == PACKAGE and _path(one, root) is not None
         ]
     return sorted(found.values())
@@ -69,6 +72,11 @@ def _path(module: str, root: Path) -> Path | None:
         if path.is_file():
             return path
     return None
+
+
+def _parsed(path: Path) -> ast.AST:
+    with _ONE_AT_A_TIME:
+        return ast.parse(path.read_text())
 
 
 def _imports(tree: ast.AST) -> Iterator[str]:

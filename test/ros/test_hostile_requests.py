@@ -94,7 +94,7 @@ def test_mode_of_an_existing_file_is_kept(peer, tmp_path):
 
 def test_a_bad_format_is_named_first(peer):
     response = peer.call(ExportEstimate, "export", format="vrml", path="x.vrml")
-    assert "format = 'vrml' is not one of gltf" in response.message
+    assert "format = 'vrml' is not one of glb, gltf" in response.message
 
 
 @pytest.mark.parametrize(

@@ -106,7 +106,7 @@ def test_export_writes_the_light_that_was_seen(peer, send, tmp_path, format_name
     ("format_name", "name", "reason"),
     [
         ("hdr", "light.exr", ".hdr"),
-        ("obj", "material.obj", "gltf"),
+        ("vrml", "material.vrml", "gltf"),
         ("gltf", "material.obj", ".gltf"),
         ("gltf", "", "path is empty"),
         ("gltf", "no/such/folder/material.gltf", "no/such/folder"),

@@ -13,6 +13,7 @@ from test.synbrdf.spheres import icosphere, joined
 
 mitsuba_scene = pytest.importorskip("reflest_core.synbrdf.path_tracing.mitsuba_scene")
 sparse_scene = pytest.importorskip("reflest_core.synbrdf.path_tracing.sparse_scene")
+sight = pytest.importorskip("reflest_core.synbrdf.path_tracing.sight")
 ward_bsdf = pytest.importorskip("reflest_core.synbrdf.path_tracing.ward_bsdf").ward_bsdf
 
 RADIUS = 0.2
@@ -125,13 +126,13 @@ def test_occluded_and_averted_points_are_not_paired():
     positions = np.array([[0.1, 0, 0], [0, 0, 0.1], [0.3, 0, 0.1]], np.float32)
     normals = np.array([[1, 0, 0], [0, 0, 1], [0, 0, 1]], np.float32)
     centres = np.array([[1, 0, 0], [0, 0, 1], [0.1, 0.5, 0]], np.float32)
-    point_of, view_of = sparse_scene.visible_pairs(scene, positions, normals, centres)
+    point_of, view_of = sight.visible_pairs(scene, positions, normals, centres)
     pairs = set(zip(point_of.tolist(), view_of.tolist(), strict=True))
     # Point 0 looks at view 0, but the second ball is between; view 1 grazes it; view 2 sees its
     # normal at 90 degrees. The tops are seen from above only.
     assert pairs == {(1, 1), (2, 1)}
     centres[0] = [0.19, 0.0, 0.0]
-    point_of, view_of = sparse_scene.visible_pairs(scene, positions, normals, centres)
+    point_of, view_of = sight.visible_pairs(scene, positions, normals, centres)
     assert (0, 0) in set(zip(point_of.tolist(), view_of.tolist(), strict=True))
 
 
