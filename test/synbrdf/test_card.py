@@ -18,7 +18,7 @@ from reflest_core.synbrdf.card.numbers import clipping, table
 from reflest_core.synbrdf.card.summary import SceneSummary
 from reflest_core.synbrdf.generation.data_set import Generation
 from reflest_core.synbrdf.realism.settings import Realism
-from reflest_core.synbrdf.scenes.scene_file import save_shard
+from reflest_core.synbrdf.scenes.scene_file import shard_bytes
 from reflest_core.synbrdf.scenes.splits import Split
 from test.synbrdf.realism.sparse_scenes import ball_scene
 
@@ -44,7 +44,9 @@ def test_the_command_writes_histograms_and_numbers(tmp_path, capsys):
     assert "manifest.json" in capsys.readouterr().err
     data.mkdir()
     (data / "manifest.json").write_text("{}")
-    save_shard(data / "train-00000.safetensors", [ball_scene(seed=k) for k in range(3)])
+    (data / "train-00000.safetensors").write_bytes(
+        shard_bytes([ball_scene(seed=k) for k in range(3)])
+    )
     assert main(["synbrdf", "card", "--out", str(out), "--data", str(data)]) == 0
     assert "train (3 scenes)" in (out / "numbers.md").read_text()
     for name in ("materials.png", "captures.png"):

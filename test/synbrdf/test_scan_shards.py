@@ -13,7 +13,7 @@ from reflest_core.models.lightnet import VOXELS
 from reflest_core.synbrdf.generation.data_set import Generation
 from reflest_core.synbrdf.generation.generate import generate
 from reflest_core.synbrdf.generation.process_pool import process_pool
-from reflest_core.synbrdf.scenes.scene_file import load_scenes, save_shard, sha256
+from reflest_core.synbrdf.scenes.scene_file import load_scenes, sha256, shard_bytes
 from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.light import scan_plan
 from reflest_core.training.light.scan_plan import MEASURED_VIEWS, ScanPlan
@@ -68,7 +68,7 @@ def test_scans_of_other_code_or_other_scenes_are_refused(data, tmp_path, monkeyp
     other = tmp_path / data.name
     other.mkdir()
     scenes = list(load_scenes(data, "train"))
-    save_shard(other / "train-00000.safetensors", scenes[:1])
+    (other / "train-00000.safetensors").write_bytes(shard_bytes(scenes[:1]))
     with pytest.raises(TrainingError, match="of other scenes; delete"):
         make_scans(other, TRAIN, out, jobs=1)
 
