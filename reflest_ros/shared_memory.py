@@ -7,6 +7,7 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import os
+import time
 from pathlib import Path
 
 FOLDER = Path("/dev/shm")
@@ -14,6 +15,8 @@ LOCK_SUFFIX = "_el"
 """Fast DDS holds a lock on a segment's file of this suffix for as long as the segment is in use."""
 SEGMENT_MB = 36.0
 """Of a participant with config/fastdds_large_messages.xml."""
+YOUNGEST_S = 60.0
+"""Seconds that a segment must be old: one that is just being made is not locked yet."""
 PARTICIPANTS = 2
 """That must have room: this node and a publisher."""
 
@@ -21,8 +24,8 @@ PARTICIPANTS = 2
 def remove_left_segments(folder: Path = FOLDER) -> int:
     """Remove segments of the user's own processes that have ended without removing them.
 
-    A process that is killed (SIGKILL) leaves its segment. One whose lock can be had belongs to
-    nobody any more; all others stay.
+    A process that is killed (SIGKILL) leaves its segment. One of some age whose lock can be had
+    belongs to nobody any more; all others stay.
 
     Args:
         folder: Where the system keeps shared memory.
@@ -36,7 +39,10 @@ def remove_left_segments(folder: Path = FOLDER) -> int:
         if segment.name.startswith("fastrtps_port") or not segment.exists():
             continue
         with contextlib.suppress(OSError):
-            if segment.stat().st_uid != os.getuid() or lock.stat().st_uid != os.getuid():
+            state = lock.stat()
+            if segment.stat().st_uid != os.getuid() or state.st_uid != os.getuid():
+                continue
+            if time.time() - state.st_mtime < YOUNGEST_S:
                 continue
             descriptor = os.open(lock, os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC)
             try:

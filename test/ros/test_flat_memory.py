@@ -13,7 +13,8 @@ CYCLE = (
     Transition.TRANSITION_CONFIGURE,
     Transition.TRANSITION_ACTIVATE,
 )
-WARM, CYCLES = 10, 20
+WARM, CYCLES = 40, 20
+"""The allocator keeps what the first cycles freed in pieces; then the size is level."""
 MOST_GROWTH = 60.0
 """MB; without care each cycle adds up to 15."""
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import time
 
 import pytest
 
@@ -17,9 +18,11 @@ def segment(tmp_path):
     """Make a segment with its lock; the lock's open file."""
     held = []
 
-    def one(name):
+    def one(name, age=3600.0):
         (tmp_path / f"fastrtps_{name}").write_bytes(bytes(100))
-        held.append((tmp_path / f"fastrtps_{name}_el").open("wb"))
+        lock = tmp_path / f"fastrtps_{name}_el"
+        held.append(lock.open("wb"))
+        os.utime(lock, (time.time() - age,) * 2)
         return held[-1]
 
     yield one
@@ -40,6 +43,12 @@ def test_a_segment_in_use_stays_and_one_that_was_left_goes(segment, tmp_path):
         "fastrtps_port7411_el",
         "other",
     }
+
+
+def test_a_segment_that_is_just_being_made_stays(segment, tmp_path):
+    segment("young", age=1.0)
+    assert remove_left_segments(tmp_path) == 0
+    assert (tmp_path / "fastrtps_young").exists()
 
 
 def test_links_are_not_followed(tmp_path):
