@@ -200,6 +200,8 @@ class EstimatorNode(LifecycleNode):
         self._close()
         self.offered.stop()
         super().destroy_node()
+        # rclpy leaves it to garbage collection; until then the node would be seen by others.
+        self._state_machine.destroy_when_not_in_use()
 
     @property
     def _triggers(self) -> dict[int, Callable[[], TransitionCallbackReturn]]:

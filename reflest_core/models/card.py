@@ -135,21 +135,52 @@ class WeightsCard:
 
         Args:
             described: The stored string.
+
+        Raises:
+            ValueError: It is no card: not JSON, or a field is missing or out of its range.
         """
-        card = json.loads(described)
-        statistics = {
-            name: ParameterStatistics(np.array(known["mean"]), np.array(known["stddev"]))
-            for name, known in card["statistics"].items()
-        }
-        return WeightsCard(
-            card["network"],
-            card["parameters"],
-            WardVariant(card["variant"]),
-            statistics,
-            card["recipe"],
-            Calibration(
-                np.array(card.get("stddev_factors", np.ones(5))),
-                np.array(card.get("stddev_powers", np.ones(5))),
-                np.array(card.get("error_correlation", np.eye(5))),
-            ),
-        )
+        try:
+            card = json.loads(described)
+            parameters = card["parameters"]
+            if parameters not in ("ward", "labcd"):
+                raise ValueError(f"parameters is {parameters!r:.40}, not ward or labcd")
+            return WeightsCard(
+                str(card["network"]),
+                parameters,
+                WardVariant(card["variant"]),
+                {name: _statistics(card["statistics"][name]) for name in ("ward", "labcd")},
+                dict(card["recipe"]),
+                _calibration(card),
+            )
+        except KeyError as error:
+            raise ValueError(f"it has no field {error}") from error
+        except (TypeError, AttributeError, RecursionError) as error:
+            raise ValueError(f"{error}") from error
+
+
+def _statistics(known: dict[str, Any]) -> ParameterStatistics:
+    mean = _numbers("statistics mean", known["mean"], (5,))
+    stddev = _numbers("statistics stddev", known["stddev"], (5,))
+    if not (stddev > 0.0).all():
+        raise ValueError("a stddev of the statistics is not above 0")
+    return ParameterStatistics(mean, stddev)
+
+
+def _calibration(card: dict[str, Any]) -> Calibration:
+    factors = _numbers("stddev_factors", card.get("stddev_factors", [1.0] * 5), (5,))
+    powers = _numbers("stddev_powers", card.get("stddev_powers", [1.0] * 5), (5,))
+    correlation = card.get("error_correlation", np.eye(5))
+    correlation = _numbers("error_correlation", correlation, (5, 5))
+    if not ((factors > 0.0).all() and (powers > 0.0).all()):
+        raise ValueError("stddev_factors and stddev_powers must be above 0")
+    if np.abs(correlation).max() > 1.0 + 1e-6:
+        raise ValueError("error_correlation must lie within -1 and 1")
+    return Calibration(factors, powers, correlation)
+
+
+def _numbers(name: str, values: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Finite numbers of a shape, or ValueError."""
+    numbers = np.array(values, np.float64)
+    if numbers.shape != shape or not np.isfinite(numbers).all():
+        raise ValueError(f"{name} must be {' x '.join(map(str, shape))} finite numbers")
+    return numbers

@@ -100,6 +100,9 @@ class Predictor:
         Args:
             surface: Upright (+z is up), with at least one observed voxel.
             found: See :meth:`~reflest_core.models.definition.LiveNetwork.scores`.
+
+        Raises:
+            WeightsError: The network's outputs are not finite.
         """
         with one_blas_thread():
             return self._predict(surface, found)
@@ -107,6 +110,14 @@ class Predictor:
     def _predict(self, surface: ObservedSurface, found: Explanation | None) -> Prediction:
         voxels = choose_voxels(surface, self.voxels)
         scores = self.network.scores(surface, voxels, found)
+        stated = (
+            scores.means if scores.log_variances is None else (*scores.means, *scores.log_variances)
+        )
+        if not np.isfinite(stated).all():
+            raise WeightsError(
+                f"{self.model_id} gives numbers that are not finite: its weights cannot be used; "
+                "correct estimation.weights"
+            )
         values = self.card.output_statistics.restore(scores.means.astype(np.float64))
         ward = labcd_to_ward(values) if self.card.parameters == "labcd" else values
         light = None

@@ -24,6 +24,9 @@ from reflest_core.whole_file import write_whole
 
 FORMAT = "reflest-weights-1"
 SCALE_SUFFIX = ".scale"
+LARGEST_FILE_MB = 512
+STORED_TYPES = ("F32", "I8")
+"""Of tensors, as safetensors names them."""
 
 Tensors = dict[str, NDArray[Any]]
 """A network's weights by name, shaped as PyTorch stores them."""
@@ -66,21 +69,53 @@ def load_weights(path: Path) -> tuple[Tensors, WeightsCard, str]:
     """
     if not path.is_file():
         raise WeightsError(f"there is no weight file {path}; correct estimation.weights")
-    try:
-        with safe_open(path, framework="np") as file:
-            metadata = file.metadata() or {}
-            stored = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-    except (SafetensorError, OSError) as error:
-        raise WeightsError(f"{path} is not a readable safetensors file ({error})") from error
+    stored, metadata = _stored(path)
     if metadata.get("format") != FORMAT:
         raise WeightsError(
-            f"{path} has format {metadata.get('format')!r}, not {FORMAT!r}; "
+            f"{path} has format {metadata.get('format')!r:.40}, not {FORMAT!r}; "
             "use weights written by this version of reflest"
         )
-    digest = content_hash(stored, metadata["card"])
-    if digest != metadata["sha256"]:
+    described = metadata.get("card", "")
+    digest = content_hash(stored, described)
+    if digest != metadata.get("sha256"):
         raise WeightsError(f"{path} does not match its own hash: it is damaged; install it again")
-    return dequantise(stored), WeightsCard.from_json(metadata["card"]), digest
+    try:
+        card, tensors = WeightsCard.from_json(described), dequantise(stored)
+    except ValueError as error:
+        raise WeightsError(
+            f"{path} describes no network that can be used ({error!s:.200}); use weights written "
+            "by this version of reflest"
+        ) from error
+    for name, tensor in tensors.items():
+        if not np.isfinite(tensor).all():
+            raise WeightsError(
+                f"{path}: {name} holds numbers that are not finite; train the network again, or "
+                "use other weights"
+            )
+    return tensors, card, digest
+
+
+def _stored(path: Path) -> tuple[Tensors, dict[str, str]]:
+    """The tensors and metadata as the file holds them; sizes and types are checked first."""
+    size_mb = path.stat().st_size / 1e6
+    if size_mb > LARGEST_FILE_MB:
+        raise WeightsError(
+            f"{path} has {size_mb:.0f} MB, more than the {LARGEST_FILE_MB} MB of any network; "
+            "correct estimation.weights"
+        )
+    try:
+        with safe_open(path, framework="np") as file:
+            names = list(file.keys())
+            for name in names:
+                kind = file.get_slice(name).get_dtype()
+                if kind not in STORED_TYPES:
+                    raise WeightsError(
+                        f"{path}: {name:.80} is of type {kind}, not {' or '.join(STORED_TYPES)}; "
+                        "use weights written by this version of reflest"
+                    )
+            return {name: file.get_tensor(name) for name in names}, file.metadata() or {}
+    except (SafetensorError, OSError, ValueError) as error:
+        raise WeightsError(f"{path} is not a readable safetensors file ({error!s:.200})") from error
 
 
 def check_fits(tensors: Tensors, shapes: Mapping[str, tuple[int, ...]], path: Path) -> None:
@@ -126,13 +161,18 @@ def dequantise(stored: Tensors) -> Tensors:
 
     Args:
         stored: Tensors as the file holds them.
+
+    Raises:
+        ValueError: A tensor's scale is missing or of another length.
     """
     tensors: Tensors = {}
     for name, tensor in stored.items():
         if name.endswith(SCALE_SUFFIX):
             continue
         if tensor.dtype == np.int8:
-            scale = stored[name + SCALE_SUFFIX]
+            scale = stored.get(name + SCALE_SUFFIX)
+            if scale is None or tensor.ndim < 2 or scale.shape != (len(tensor),):
+                raise ValueError(f"{name} has no scale for each of its rows")
             tensor = tensor.astype(np.float32) * scale.reshape(-1, *[1] * (tensor.ndim - 1))
         tensors[name] = tensor
     return tensors

@@ -116,8 +116,13 @@ class ServicePool:
         self._spinning.start()
 
     def stop(self) -> None:
-        """End the threads after the current answers."""
+        """End the threads after the current answers; the services go.
+
+        A service keeps its node's part in the middleware alive. One that were left to garbage
+        collection would go on being found by clients, and answer none.
+        """
         self._spinning.stop()
+        self.withdraw(self.services)
 
     def _checked(self, service: Service[Any, Any], answer: Answer, failed: Failed) -> Answer:
         """``answer`` of rclpy, whose exceptions are mistakes in the request."""

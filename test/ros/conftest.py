@@ -10,7 +10,7 @@ from pathlib import Path
 import domain_coordinator
 import pytest
 from feed import Feed
-from own_process import ROOT, OwnProcess
+from own_process import ROOT, OwnProcess, participants
 from ros_peer import RosPeer
 from sphere_messages import write_sphere_bag
 
@@ -51,8 +51,14 @@ def sphere_bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def domain_id() -> Iterator[int]:
+    """A domain of the module's own; no participant of this process may be left in it.
+
+    The next module gets the same number. Clients would find a left node's services, which answer
+    nothing, before those of the node that they are meant for.
+    """
     with domain_coordinator.domain_id() as number:
         yield int(number)
+    assert not participants(), "a node of this module is left"
 
 
 @pytest.fixture(scope="module")

@@ -12,6 +12,7 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.msg import Parameter, ParameterValue, SetParametersResult
 from rcl_interfaces.srv import DescribeParameters, GetParameters, SetParameters
+from rclpy.client import Client
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.publisher import Publisher
@@ -49,6 +50,7 @@ class RosPeer:
         )
         self._node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
         self._outputs: dict[str, Publisher] = {}
+        self._clients: dict[tuple[type, str], Client] = {}
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._thread = threading.Thread(target=self._executor.spin, daemon=True)
@@ -117,16 +119,13 @@ class RosPeer:
 
     def call(self, kind: type, name: str, /, **request: Any) -> Any:
         """Call a service of the node and return its response."""
-        client = self._node.create_client(kind, f"{self._name}/{name}")
-        try:
-            assert client.wait_for_service(WAIT), f"no service {name}"
-            done = threading.Event()
-            future = client.call_async(kind.Request(**request))
-            future.add_done_callback(lambda _: done.set())
-            assert done.wait(WAIT), f"{name} did not answer"
-            return future.result()
-        finally:
-            self._node.destroy_client(client)
+        client = self._client(kind, name)
+        assert client.wait_for_service(WAIT), f"no service {name}"
+        done = threading.Event()
+        future = client.call_async(kind.Request(**request))
+        future.add_done_callback(lambda _: done.set())
+        assert done.wait(WAIT), f"{name} did not answer"
+        return future.result()
 
     def parameter(self, name: str) -> ParameterValue:
         return self.call(GetParameters, "get_parameters", names=[name]).values[0]
@@ -137,6 +136,13 @@ class RosPeer:
     def set_parameter(self, name: str, value: ParameterValue) -> SetParametersResult:
         parameter = Parameter(name=name, value=value)
         return self.call(SetParameters, "set_parameters", parameters=[parameter]).results[0]
+
+    def _client(self, kind: type, name: str) -> Client:
+        """The client of a service; one for all calls, for a new one must first be discovered."""
+        with self._changed:
+            if (kind, name) not in self._clients:
+                self._clients[kind, name] = self._node.create_client(kind, f"{self._name}/{name}")
+            return self._clients[kind, name]
 
     def _on_estimate(self, message: BrdfEstimateMessage) -> None:
         with self._changed:

@@ -1,13 +1,18 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What keeps the node's process from pausing."""
+"""What keeps the node's process from pausing, and what a node that has ended leaves in it."""
 
 from __future__ import annotations
 
 import gc
 import sys
 
-from reflest_ros.process import avoid_pauses
+import pytest
+from lifecycle_msgs.msg import Transition
+from own_process import participants
+
+from reflest_ros.node import EstimatorNode
+from reflest_ros.process import avoid_pauses, ros_process
 
 
 def test_collections_leave_alone_what_was_loaded():
@@ -21,3 +26,21 @@ def test_collections_leave_alone_what_was_loaded():
     finally:
         gc.unfreeze()
         sys.setswitchinterval(interval)
+
+
+@pytest.mark.parametrize("is_configured", [False, True], ids=["bare", "configured"])
+def test_a_node_that_is_destroyed_is_gone_before_any_garbage_collection(
+    domain_id, monkeypatch, is_configured
+):
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain_id))
+    gc.disable()
+    try:
+        with ros_process(["--ros-args", "-p", "lifecycle.autostart:=false"]):
+            node = EstimatorNode()
+            if is_configured:
+                node.change(Transition.TRANSITION_CONFIGURE)
+            assert participants() == 1
+            node.destroy_node()
+            assert participants() == 0, "others would still see it and call its services"
+    finally:
+        gc.enable()
