@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from reflest_core.errors import ReflestError
 from reflest_core.fusion.scan import Scan
-from reflest_core.light.environment_reader import read_radiance
+from reflest_core.light.environment_reader import LARGEST_RADIANCE, read_radiance
 from reflest_core.light.equirectangular import equirectangular_directions, radiance_from
 from reflest_core.light.known_light import NAME, KnownLight, KnownLightError
 from reflest_core.light.light_map import SIZE
@@ -153,8 +153,10 @@ def _panorama(path: Path) -> Room:
                 f"{NAME} = {path} has no pixel with alpha: nothing of it is known"
             )
     known = image.radiance[room.is_known]
-    if not (np.isfinite(known).all() and (known > 0.0).any()):
-        raise KnownLightError(f"{NAME} = {path} is black or not finite")
+    if not ((known < LARGEST_RADIANCE).all() and (known > 0.0).any()):
+        raise KnownLightError(
+            f"{NAME} = {path} is black, or holds radiance that is not below {LARGEST_RADIANCE:g}"
+        )
     if image.coverage is None and image.software == "reflest":
         warning = (
             f"{NAME} = {path} was exported by reflest as .hdr, which does not hold what of it was "

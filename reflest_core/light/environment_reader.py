@@ -14,6 +14,9 @@ from numpy.typing import NDArray
 MOST_PIXELS = 2**26
 """Of an image: 16384 x 4096, which takes less than a gigabyte."""
 
+LARGEST_RADIANCE = 1e12
+"""In whatever unit a file has; sums over all directions of more would not be finite."""
+
 HEADER_BYTES = 4096
 """The beginning of an ``.hdr`` file, where its size stands."""
 

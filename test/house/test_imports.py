@@ -13,6 +13,7 @@ ROOT = Path(__file__).parents[2]
 CORE = ROOT / "reflest_core"
 LEAVES = (
     "errors",
+    "array_file",
     "parameter",
     "parameter_file",
     "jit",

@@ -99,6 +99,18 @@ def test_unusable_meshes_are_refused_by_name(tmp_path):
     (tmp_path / "odd.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")
     with pytest.raises(MeshUnreadable, match=r"odd.*does not exist"):
         load_mesh(find_meshes(tmp_path)[0])
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+    for content in (
+        f"{corners}f 1 2 99999999999999999999\n",
+        f"{corners}f -9 -2 -1\n",
+        f"{corners}f 1\nf\n",
+        "v 1e308 0 0\nv -1e308 0 0\nv 0 1e308 0\nf 1 2 3\n",
+        "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n",
+        "f a b c\n",
+    ):
+        (tmp_path / "odd.obj").write_text(content)
+        with pytest.raises(MeshUnreadable, match="odd"):
+            load_mesh(find_meshes(tmp_path)[0])
     (tmp_path / "odd.obj").write_text("v 0 0 zero\n")
     with pytest.raises(MeshUnreadable, match="odd"):
         load_mesh(find_meshes(tmp_path)[0])

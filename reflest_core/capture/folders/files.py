@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.array_file import read_array
 from reflest_core.capture.formats.bag_file import pointer_sentence
 from reflest_core.capture.images.compressed_header import read_header
 from reflest_core.capture.messages import (
@@ -297,8 +298,8 @@ def _depth_pixels(pixels: NDArray[np.generic], stamp_ns: int) -> ImageMessage:
 def _read_npy(path: Path) -> NDArray[np.generic]:
     _check_file(path)
     try:
-        return np.asarray(np.load(path, allow_pickle=False))
-    except (ValueError, EOFError, MemoryError):  # no array, one of objects, or a lie on its size
+        return read_array(path)
+    except ValueError:
         return np.empty((0, 0))
 
 

@@ -17,8 +17,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.array_file import array_names, read_member
 from reflest_core.errors import ReflestError
-from reflest_core.light.environment_reader import read_radiance
+from reflest_core.light.environment_reader import LARGEST_RADIANCE, read_radiance
 from reflest_core.light.equirectangular import equirectangular_directions
 from reflest_core.synbrdf.lights.cubemap import look_up, read_cubemap
 from reflest_core.synbrdf.lights.procedural_sky import procedural_sky
@@ -100,8 +101,10 @@ def load_environment(source: EnvironmentSource, height: int = 128) -> NDArray[np
             f"environment {source.name} has shape {image.shape}, but must be (H, W, 3)"
         )
     radiance = np.asarray(image[..., :3], dtype=np.float32)
-    if not np.isfinite(radiance).all():
-        raise EnvironmentUnreadable(f"environment {source.name} holds values that are not finite")
+    if not (np.abs(radiance) < LARGEST_RADIANCE).all():
+        raise EnvironmentUnreadable(
+            f"environment {source.name} holds radiance that is not below {LARGEST_RADIANCE:g}"
+        )
     radiance = np.maximum(radiance, 0.0)
     if not radiance.any():
         raise EnvironmentUnreadable(f"environment {source.name} is black")
@@ -151,8 +154,7 @@ def rotated(radiance: NDArray[np.float32], angle: float) -> NDArray[np.float32]:
 
 def _collection_names(path: Path) -> list[str]:
     try:
-        with np.load(path) as archive:
-            return sorted(archive.files)
+        return array_names(path)
     except (OSError, ValueError) as error:
         raise EnvironmentUnreadable(f"{path} is not a readable .npz file: {error}") from error
 
@@ -160,8 +162,7 @@ def _collection_names(path: Path) -> list[str]:
 def _read(source: EnvironmentSource) -> NDArray[np.float32]:
     assert source.path is not None
     if source.member is not None:
-        with np.load(source.path) as archive:
-            return np.asarray(archive[source.member], np.float32)
+        return np.asarray(read_member(source.path, source.member), np.float32)
     if source.path.suffix.lower() == ".ktx":
         return look_up(read_cubemap(source.path), equirectangular_directions(CUBEMAP_HEIGHT))
     return read_radiance(source.path).radiance

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.array_file import array_names, read_member
 from reflest_core.errors import ReflestError
 from reflest_core.synbrdf.shapes.mesh import (
     FloatArray,
@@ -19,6 +20,9 @@ from reflest_core.synbrdf.shapes.mesh import (
     facing_outwards,
     with_crease_normals,
 )
+
+LARGEST = 1e9
+"""Coordinates, in whatever unit the file has; far below what overflows in products."""
 
 
 class MeshUnreadable(ReflestError):
@@ -63,27 +67,29 @@ def load_mesh(source: MeshSource) -> TriangleMesh:
     """
     try:
         vertices, faces = _read(source)
-        if len(faces) == 0 or not np.isfinite(vertices).all():
-            raise ValueError("it has no faces or vertices that are not finite")
+        if len(faces) == 0 or not (np.abs(vertices) < LARGEST).all():
+            raise ValueError(f"it has no faces, or vertices that are not within {LARGEST:g}")
         if faces.min() < 0 or faces.max() >= len(vertices):
             raise ValueError("a face names a vertex that does not exist")
-        return with_crease_normals(vertices, facing_outwards(vertices, faces))
-    except (OSError, ValueError, KeyError, IndexError, RuntimeError) as error:
+        mesh = with_crease_normals(vertices, facing_outwards(vertices, faces))
+        if len(mesh.faces) == 0:
+            raise ValueError("its faces have no area")
+        return mesh
+    except (OSError, ValueError, IndexError, RuntimeError, OverflowError, TypeError) as error:
         raise MeshUnreadable(f"mesh {source.name} in {source.path} is unusable: {error}") from error
 
 
 def _collection_names(path: Path) -> list[str]:
     try:
-        with np.load(path) as archive:
-            return sorted(key[:-2] for key in archive.files if key.endswith("/v"))
+        return [name[:-2] for name in array_names(path) if name.endswith("/v")]
     except (OSError, ValueError) as error:
         raise MeshUnreadable(f"{path} is not a readable .npz file: {error}") from error
 
 
 def _read(source: MeshSource) -> tuple[FloatArray, IntArray]:
     if source.member is not None:
-        with np.load(source.path) as archive:
-            stored, faces = archive[f"{source.member}/v"], archive[f"{source.member}/f"]
+        stored = read_member(source.path, f"{source.member}/v")
+        faces = read_member(source.path, f"{source.member}/f")
         scale, shift = (1 / 32767.5, -1.0) if stored.dtype == np.uint16 else (1.0, 0.0)
         return stored.astype(np.float64) * scale + shift, faces.astype(np.int64)
     if source.path.suffix.lower() == ".obj":

@@ -8,7 +8,6 @@ calibrated together: each light by weights that never saw it.
 
 from __future__ import annotations
 
-import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
 from statistics import NormalDist
@@ -17,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.array_file import read_member
 from reflest_core.models.card import Calibration
 from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.metrics import NormalisedRmse
@@ -152,9 +152,10 @@ class MeasuredScans:
                 "--hold-out; give folders of such trainings"
             )
         try:
-            with np.load(path) as stored:
-                return MeasuredScans(*(stored[field.name] for field in fields(MeasuredScans)))
-        except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+            return MeasuredScans(
+                *(read_member(path, field.name) for field in fields(MeasuredScans))
+            )
+        except (OSError, ValueError) as error:
             raise TrainingError(
                 f"{path} is damaged ({error}); run that training's command again, which writes it "
                 "again"

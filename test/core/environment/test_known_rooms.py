@@ -142,6 +142,13 @@ def test_a_folder_of_no_use_is_refused_by_name(tmp_path, content, reason):
         read_known_light(tmp_path)
 
 
+def test_light_too_bright_for_sums_is_refused(tmp_path):
+    header = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 64 +X 128\n"
+    (tmp_path / "sun.hdr").write_bytes(header + b"\xff" * (64 * 128 * 4))
+    with pytest.raises(KnownLightError, match="radiance that is not below"):
+        read_known_light(tmp_path / "sun.hdr")
+
+
 def test_an_exr_panoramas_alpha_says_what_is_known(tmp_path):
     radiance = brightness(1, equirectangular_directions(HEIGHT))
     alpha = np.ones((HEIGHT, 2 * HEIGHT, 1), np.float32)

@@ -92,7 +92,8 @@ def test_shrinking_keeps_the_light():
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
-        (np.full((16, 32, 3), np.nan, np.float32), "not finite"),
+        (np.full((16, 32, 3), np.nan, np.float32), "not below"),
+        (np.full((16, 32, 3), 1e38, np.float32), "not below"),
         (np.zeros((16, 32, 3), np.float32), "black"),
         (np.ones((16, 32), np.float32), "shape"),
     ],
