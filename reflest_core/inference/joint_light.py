@@ -38,9 +38,8 @@ MOST_SAMPLED, FEWEST_EACH, MOST_EACH = 1500, 24, 192
 """Voxels of all segments together, and bounds for each."""
 EVERY = 2
 """Of the sampled observations the light is inferred from every second."""
-TURNS = 6
-"""Gauss-Newton steps from the prior. Further ones fit the heavy tails of the light's prior to what
-the model does not explain, and the same scan would give another light at every keyframe."""
+TURNS = 12
+"""Gauss-Newton steps from the prior; after them albedos hardly change."""
 FIRST_ALBEDO = 0.2
 USUAL_ROUGHNESS = 4
 """Index into :data:`.ROUGHNESSES`, for a segment with too few observations to fit gloss."""

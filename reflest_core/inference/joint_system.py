@@ -14,12 +14,13 @@ for the light's prior).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.inference.light_prior import ALBEDO, LightPrior
+from reflest_core.inference.light_prior import LightPrior
 from reflest_core.inference.nonnegative import nonnegative_minimum
 
 RELATIVE, LEAST = 0.05, 0.003
@@ -30,14 +31,21 @@ HIDDEN = 2.0
 """The same of what unknown light adds to a reflection: a patch is not even, and lobes are small."""
 GLOSS_SHARE, GLOSS_LEAST = 0.5, 0.02
 """Prior standard deviation of ``rho_s``: share of its first value, and at any value."""
-TAIL = 0.25
+TAIL = 0.1
 """Of the squared width of the light's prior: what remains of it next to the squared distance."""
 FIRST_ERROR = 0.3
 """Relative error by which observations are weighted before the model is known."""
 LARGEST_STEP, SMALLEST_ALBEDO = 2.5, 0.02
 """``rho_d`` changes by at most this factor in one step, but may always reach this value."""
+WEIGHT = 0.1
+"""Power of the observations' likelihood beside the priors: neighbours err together."""
 EVIDENCE = 0.01
 """Share of the observations that err each for itself; the deviations count no more than these."""
+LOG_ALBEDO = (math.log(0.12), 2.5)
+"""Prior mean and standard deviation of ``ln rho_d``. Measured materials have a spread of 1.2; of
+segments several are of one material, and so count less."""
+DARKEST = 0.003
+"""``rho_d`` below which the prior is no narrower."""
 NEGLIGIBLE = 1e-4
 """Share of the strongest response below which a patch is left to its prior."""
 
@@ -122,19 +130,18 @@ class ChannelSystem:
         mean, width = self.prior.mean[is_free], self.prior.width[is_free]
         segments = len(self.starts)
         x = np.concatenate([start.rho_d, start.rho_s, start.light[is_free]])
-        fixed_mean = np.concatenate([np.full(segments, ALBEDO[0]), self.rho_s])
         gloss_width = GLOSS_SHARE * self.rho_s + GLOSS_LEAST
-        fixed_precision = np.concatenate([np.full(segments, ALBEDO[1] ** -2), gloss_width**-2.0])
         information = np.eye(len(x))
         for turn in range(turns):
             is_first = turn == 0 and not is_found
             normal, vector = self._normal_equations(known, columns, x, is_first)
             light = x[2 * segments :]
             spread = width**2 if is_first else TAIL * width**2 + (light - mean) ** 2
-            precision = np.concatenate([fixed_precision, 1.0 / spread])
-            vector += precision * np.concatenate([fixed_mean, mean])
+            albedo, albedo_width = _albedo_prior(x[:segments])
+            precision = np.concatenate([albedo_width, gloss_width, np.sqrt(spread)]) ** -2.0
+            vector = WEIGHT * vector + precision * np.concatenate([albedo, self.rho_s, mean])
             information = EVIDENCE * normal + np.diag(precision)
-            found = nonnegative_minimum(normal + np.diag(precision), vector, x)
+            found = nonnegative_minimum(WEIGHT * normal + np.diag(precision), vector, x)
             low, high = x[:segments] / LARGEST_STEP, LARGEST_STEP * x[:segments]
             found[:segments] = np.clip(found[:segments], low, np.maximum(high, SMALLEST_ALBEDO))
             found[segments : 2 * segments] = np.minimum(found[segments : 2 * segments], 1.0)
@@ -217,3 +224,10 @@ class ChannelSystem:
     def _sums(self, values: Array32) -> Array:
         """(S, ...) sums over each segment's observations (O, ...)."""
         return np.asarray(np.add.reduceat(values, self.starts, axis=0), np.float64)
+
+
+def _albedo_prior(rho_d: Array) -> tuple[Array, Array]:
+    """Mean and deviation (S,) of Gaussians that touch the log-normal prior of ``rho_d`` there."""
+    mean, spread = LOG_ALBEDO
+    held = np.maximum(rho_d, DARKEST)
+    return held * (1.0 + np.clip(mean - np.log(held), -1.0, 1.0)), spread * held
