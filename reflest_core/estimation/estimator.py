@@ -30,6 +30,7 @@ from reflest_core.inference.transport.surface_irradiance import SurfaceSight
 from reflest_core.models.linear_algebra import one_blas_thread
 from reflest_core.models.predictor import Prediction, Predictor
 from reflest_core.segmentation.segmenter import in_key_order
+from reflest_core.surface.colour_problems import colour_problems
 from reflest_core.surface.coverage import hemisphere_coverage
 from reflest_core.surface.extent import voxel_extent
 from reflest_core.surface.observed_surface import ObservedSurface
@@ -242,6 +243,9 @@ class Estimator:
             ward, stddev, gloss = gloss.ward, gloss.stddev, gloss.gloss
         elif gloss is not None and stddev is not None and not prediction.has_posterior:
             ward, stddev = with_posterior(ward, stddev, gloss)
+        colours = colour_problems(surface)
+        if colours and stddev is not None:  # no material can be told from them
+            stddev = np.maximum(stddev, self.predictor.card.statistics["ward"].stddev)
         red, green, blue, rho_s, alpha = ward.tolist()
         lightness, a, b, c, d = ward_to_labcd(ward).tolist()
         coverage = hemisphere_coverage(surface, prediction.voxels)
@@ -250,6 +254,7 @@ class Estimator:
             self.predictor.voxels,
             coverage,
             prediction.light,
+            colours,
             "" if gloss is None else roughness_problem(ward, stddev, gloss),
             light_problem,
         )

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.light.light_knowledge import LightKnowledge
+from reflest_core.surface.colour_problems import NO_PROBLEMS, ColourProblems
 
 EstimateWarning = tuple[EstimateStatus, str]
 """A status and its sentence."""
@@ -24,6 +25,7 @@ class Evidence:
         wanted_voxels: how many the network expects.
         coverage: share of view directions seen, in [0, 1].
         light: how much was known of the light; None where the network does not use it.
+        colours: what is wrong with the surface's colours.
         gloss_problem: why ``alpha`` cannot be identified, as a clause, or "".
         light_problem: why light known before was not used, or "".
     """
@@ -32,6 +34,7 @@ class Evidence:
     wanted_voxels: int
     coverage: float
     light: LightKnowledge | None
+    colours: ColourProblems = NO_PROBLEMS
     gloss_problem: str = ""
     light_problem: str = ""
 
@@ -57,11 +60,16 @@ def warnings_of(evidence: Evidence, settings: EstimationSettings) -> Iterator[Es
             f"{evidence.coverage:.0%} of view directions seen, below {settings.low_coverage:.0%}: "
             "move around the object",
         )
+    for sentence in (evidence.colours.too_dark, evidence.colours.noise):
+        if sentence:
+            yield EstimateStatus.LOW_LIGHT, sentence
     if evidence.light_problem:
         yield EstimateStatus.LOW_LIGHT, evidence.light_problem
     if evidence.light is not None:
         yield from _of_light(evidence.light, settings)
-    if evidence.gloss_problem:
+    if evidence.colours.overexposed:
+        yield EstimateStatus.CLIPPED_LIGHT, evidence.colours.overexposed
+    if evidence.gloss_problem and not evidence.colours:
         yield (
             EstimateStatus.UNCERTAIN_GLOSS,
             f"alpha cannot be told: {evidence.gloss_problem}",

@@ -5,6 +5,7 @@
 import numpy as np
 
 from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.surface.voxel_key import pack_key
 
 
 def sphere_surface(voxels=300, views=40, seed=0, colour=None):
@@ -33,6 +34,31 @@ def sphere_surface(voxels=300, views=40, seed=0, colour=None):
         view_centres=centres.astype(np.float32),
         view_foreground=rng.uniform(0, 255, (views, 3)).astype(np.float32),
         view_background=rng.uniform(0, 255, (views, 3)).astype(np.float32),
+    )
+
+
+def patch_surface(colour, edge=24, views=40, seed=0):
+    """A flat patch of neighbouring voxels of 5 mm seen from above, with keys.
+
+    ``colour(towards, rng)``: (O, 3) 8-bit colours by (O, 3) unit vectors from voxel to camera.
+    """
+    rng = np.random.default_rng(seed)
+    rows, columns = (grid.ravel() for grid in np.mgrid[:edge, :edge])
+    positions = 0.005 * np.stack([np.zeros(edge**2), rows, columns], axis=1)
+    centres = rng.normal(size=(views, 3)) * [0.2, 0.4, 0.4] + [1.0, 0.06, 0.06]
+    towards = centres[None] - positions[:, None]
+    towards /= np.linalg.norm(towards, axis=2, keepdims=True)
+    colours = colour(towards.reshape(-1, 3), rng)
+    return ObservedSurface(
+        positions=positions.astype(np.float32),
+        normals=np.tile(np.float32([1.0, 0.0, 0.0]), (edge**2, 1)),
+        offsets=np.arange(edge**2 + 1) * views,
+        colours=np.clip(colours, 0, 255).astype(np.uint8),
+        view_indices=np.tile(np.arange(views, dtype=np.uint16), edge**2),
+        view_centres=centres.astype(np.float32),
+        view_foreground=np.full((views, 3), 100.0, np.float32),
+        view_background=np.full((views, 3), 100.0, np.float32),
+        keys=np.array([pack_key(0, i, j) for i, j in zip(rows, columns, strict=True)]),
     )
 
 

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reasons not to trust an estimate: each by its threshold, the gravest first."""
 
+import dataclasses
 import re
 
 import pytest
@@ -10,6 +11,7 @@ from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.estimation.reliability import Evidence, warnings_of
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.light.light_knowledge import LightKnowledge
+from reflest_core.surface.colour_problems import ColourProblems
 
 SETTINGS = EstimationSettings(low_coverage=0.2, low_light=0.3, clipped_light=0.5)
 SURE = {
@@ -19,6 +21,10 @@ SURE = {
     "light": LightKnowledge(0.3, 0.5),
 }
 LONGEST_REASON = "999 voxels of good normals mirror light that was seen, 999 are needed"
+LONGEST_NOISE = (
+    "the surface's colours are noise (9999% between images, not shared by neighbours): "
+    "give more light, or correct the poses"
+)
 LONGEST_TEXT = 512
 """Of ``status_text`` in the message."""
 
@@ -34,6 +40,21 @@ LONGEST_TEXT = 512
             {"light": LightKnowledge(0.9, 0.51)},
             EstimateStatus.CLIPPED_LIGHT,
             "51%.*50%: lower the exposure",
+        ),
+        (
+            {"colours": ColourProblems(too_dark="all is black")},
+            EstimateStatus.LOW_LIGHT,
+            "^all is black$",
+        ),
+        (
+            {"colours": ColourProblems(noise="all is noise"), "gloss_problem": "it is dark"},
+            EstimateStatus.LOW_LIGHT,
+            "^all is noise$",
+        ),
+        (
+            {"colours": ColourProblems(overexposed="all is white")},
+            EstimateStatus.CLIPPED_LIGHT,
+            "^all is white$",
         ),
         ({"gloss_problem": "it is dark"}, EstimateStatus.UNCERTAIN_GLOSS, "told: it is dark$"),
     ],
@@ -56,7 +77,7 @@ def test_networks_that_do_not_look_at_the_light_are_not_judged_by_it():
 
 
 def test_all_doubts_come_in_the_order_that_the_message_states_and_fit_into_it():
-    worst = Evidence(1000, 1001, 0.001, LightKnowledge(0.101, 0.991), LONGEST_REASON)
+    worst = Evidence(1000, 1001, 0.001, LightKnowledge(0.101, 0.991), gloss_problem=LONGEST_REASON)
     strict = EstimationSettings(low_coverage=0.999, low_light=0.999, clipped_light=0.111)
     found = list(warnings_of(worst, strict))
     assert [status.name for status, _ in found] == [
@@ -66,4 +87,7 @@ def test_all_doubts_come_in_the_order_that_the_message_states_and_fit_into_it():
         "CLIPPED_LIGHT",
         "UNCERTAIN_GLOSS",
     ]
+    assert len("; ".join(sentence for _, sentence in found)) <= LONGEST_TEXT
+    worst = dataclasses.replace(worst, colours=ColourProblems(noise=LONGEST_NOISE))
+    found = list(warnings_of(worst, strict))
     assert len("; ".join(sentence for _, sentence in found)) <= LONGEST_TEXT
