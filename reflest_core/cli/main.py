@@ -15,7 +15,7 @@ from decimal import Decimal
 from reflest_core import __version__
 from reflest_core.errors import ReflestError
 
-COMMANDS = ("replay", "export", "synbrdf", "train", "evaluate")
+COMMANDS = ("replay", "view", "export", "synbrdf", "train", "evaluate")
 USER_ERROR = 2
 INTERRUPTED = 130  # as shells report SIGINT
 EXPONENT = re.compile(r"-(\d+\.?\d*|\.\d+)[eE][+-]?\d{1,2}")

@@ -30,7 +30,21 @@ def hemisphere_coverage(surface: ObservedSurface, voxels: NDArray[np.int64]) -> 
     """
     if len(voxels) == 0:
         return 0.0
-    seen = _seen_cells(
+    return float(seen_cells(surface, voxels).sum()) / (len(voxels) * RINGS * SECTORS)
+
+
+def seen_cells(surface: ObservedSurface, voxels: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Find the cells of each voxel's hemisphere that hold a view.
+
+    Args:
+        surface: What was observed.
+        voxels: (N,) indices of voxels.
+
+    Returns:
+        (N, RINGS, SECTORS): rings by rising ``omega_o . n``, sectors by rising azimuth from
+        -180 degrees in the voxel's :func:`.tangent_frame`.
+    """
+    return _seen_cells(
         surface.positions,
         surface.normals,
         surface.offsets,
@@ -38,7 +52,6 @@ def hemisphere_coverage(surface: ObservedSurface, voxels: NDArray[np.int64]) -> 
         surface.view_centres,
         voxels,
     )
-    return float(seen) / (len(voxels) * RINGS * SECTORS)
 
 
 @numba.njit(cache=True, nogil=True)
@@ -49,10 +62,10 @@ def _seen_cells(
     view_indices: NDArray[np.uint16],
     view_centres: NDArray[np.float32],
     voxels: NDArray[np.int64],
-) -> int:
-    total = 0
-    for voxel in voxels:
-        seen = np.zeros((RINGS, SECTORS), np.bool_)
+) -> NDArray[np.bool_]:
+    cells = np.zeros((len(voxels), RINGS, SECTORS), np.bool_)
+    for row in range(len(voxels)):
+        voxel, seen = voxels[row], cells[row]
         normal = normals[voxel]
         tx, ty, tz, bx, by, bz = tangent_frame(normal)
         for index in range(offsets[voxel], offsets[voxel + 1]):
@@ -68,5 +81,4 @@ def _seen_cells(
             ring = min(int(cosine * RINGS), RINGS - 1)
             sector = min(int((turn / (2 * np.pi) + 0.5) * SECTORS), SECTORS - 1)
             seen[ring, sector] = True
-        total += seen.sum()
-    return total
+    return cells

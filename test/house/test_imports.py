@@ -34,6 +34,7 @@ STAGES = (
     "estimation",
     "rendering",
     "export",
+    "viewer",
     "api",
     "synbrdf",
     "training",

@@ -1,21 +1,32 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A page of this folder in headless Chromium, as a picture; skips where tools are missing."""
+"""Pages in headless Chromium; skips where tools are missing."""
 
 import functools
 import http.server
 import shutil
 import subprocess
 import threading
+from contextlib import contextmanager
 from pathlib import Path
 from urllib.parse import urlencode
 
 import cv2
+import numpy as np
 import pytest
 
 WEB = Path(__file__).parent
 MODULES = WEB / "node_modules"
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+
+SOFTWARE = (
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--hide-scrollbars",
+    "--force-color-profile=srgb",
+)
+"""Options that draw WebGL without a graphics card, the same everywhere."""
 
 
 def needs_node():
@@ -58,11 +69,7 @@ def shown(page, folder, picture, **query):
             [
                 CHROMIUM,
                 "--headless",
-                "--no-sandbox",
-                "--use-angle=swiftshader",
-                "--enable-unsafe-swiftshader",
-                "--hide-scrollbars",
-                "--force-color-profile=srgb",
+                *SOFTWARE,
                 f"--window-size={size},{size}",
                 "--virtual-time-budget=60000",
                 f"--screenshot={picture}",
@@ -76,3 +83,36 @@ def shown(page, folder, picture, **query):
     found = cv2.imread(str(picture))
     assert found.shape == (size, size, 3)
     return found[..., ::-1] / 255.0
+
+
+@contextmanager
+def opened(url, width=1280, height=800):
+    """The page at an address in headless Chromium, and the list of what its console complained of.
+
+    It is Playwright's page; see https://playwright.dev/python.
+    """
+    if CHROMIUM is None:
+        pytest.skip("needs Chromium: apt-get install chromium")
+    api = pytest.importorskip("playwright.sync_api", reason="needs playwright: make set-up")
+    complaints = []
+
+    def note(message):
+        if message.type == "error":
+            complaints.append(message.text)
+
+    with api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=SOFTWARE)
+        page = browser.new_page(viewport={"width": width, "height": height})
+        page.on("console", note)
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.goto(url)
+        try:
+            yield page, complaints
+        finally:
+            browser.close()
+
+
+def screenshot(page):
+    """(H, W, 3) 8-bit sRGB."""
+    content = np.frombuffer(page.screenshot(), np.uint8)
+    return cv2.imdecode(content, cv2.IMREAD_COLOR)[..., ::-1]

@@ -1,0 +1,111 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""``reflest view``: a capture or a saved scan in the browser."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from reflest_core.cli.scan_options import add_scan_options
+
+if TYPE_CHECKING:
+    from reflest_core.capture.capture import Capture
+    from reflest_core.estimation.scanner import Scanner
+    from reflest_core.viewer.capture_source import CaptureSource
+
+EPILOG = """example: reflest view captures/glossy-red --roi-sphere 0 0 0.12 0.15
+Needs the extras viewer and asset: pip install 'reflest-ros[viewer,asset]'. The page is for this
+machine alone unless --host names another address; whoever can open it can scan and export."""
+CAPTURE_SUFFIXES = (".mcap", ".db3")
+
+
+def add_parser(subparsers: Any) -> None:
+    """Add the subcommand.
+
+    Args:
+        subparsers: the subcommands of ``reflest``.
+    """
+    parser: argparse.ArgumentParser = subparsers.add_parser(
+        "view",
+        help="look at a capture or a saved scan in the browser",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("source", type=Path, metavar="CAPTURE|SCAN")
+    parser.add_argument(
+        "--host",
+        default="127.0.0.1",
+        metavar="ADDRESS",
+        help="address to serve at, 0.0.0.0 for the whole network; default: %(default)s, this "
+        "machine alone",
+    )
+    parser.add_argument(
+        "--port", type=int, default=8770, help="0 takes a free one; default: %(default)s"
+    )
+    parser.add_argument(
+        "--environment",
+        type=Path,
+        metavar="FILE",
+        help="an .hdr or .exr panorama to show the materials in, beside the built-in lights",
+    )
+    add_scan_options(parser)
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Serve the page until Ctrl-C.
+
+    Args:
+        options: all options of the command.
+
+    Returns:
+        The exit code.
+
+    Raises:
+        ReflestError: A bad option, an unreadable capture, a missing extra or a port in use.
+    """
+    from reflest_core.viewer.errors import library
+
+    library("viser")
+    from reflest_core.viewer.lights import read_light
+    from reflest_core.viewer.server import ViewerServer, serve
+
+    light = None if options.environment is None else read_light(options.environment)
+    source = capture_source(options)
+    try:
+        server = ViewerServer(source, options.host, options.port, light)
+        serve(server, lambda sentence: print(f"reflest view: {sentence}", flush=True))
+    finally:
+        source.close()
+    return 0
+
+
+def capture_source(options: argparse.Namespace) -> CaptureSource:
+    """Open what the command line names.
+
+    Args:
+        options: all options of the command.
+
+    Raises:
+        ReflestError: It cannot be opened.
+    """
+    from reflest_core.capture.open_capture import open_capture
+    from reflest_core.cli.replay_options import replay_settings, topic_choice
+    from reflest_core.viewer.capture_source import CaptureSource
+
+    settings, path = replay_settings(options), options.source
+    if path.is_file() and path.suffix not in CAPTURE_SUFFIXES:
+        return CaptureSource(path, settings, None)
+
+    def open_again(scanner: Scanner) -> Capture:
+        return open_capture(
+            path,
+            topic_choice(options),
+            settings.capture,
+            tuple(options.intrinsics) if options.intrinsics else None,
+            on_clock_jump=lambda _: scanner.restart_clock(),
+        )
+
+    return CaptureSource(path, settings, open_again)

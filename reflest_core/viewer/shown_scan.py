@@ -1,0 +1,193 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""What the viewer draws: a triangle mesh whose vertices know their voxels and materials."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from reflest_core.brdf import srgb
+from reflest_core.estimation.material_map import MaterialEstimate, MaterialMap
+from reflest_core.export.bake import interpolated
+from reflest_core.export.scanned_mesh import scanned_mesh
+from reflest_core.fusion.scan import Scan
+from reflest_core.rendering.voxel_colours import observed_colours
+from reflest_core.surface.coverage import RINGS, SECTORS, seen_cells
+
+FACES = 120_000
+"""Triangles that a laptop's browser turns smoothly."""
+NO_MATERIAL = 0
+"""Id of what belongs to none."""
+
+
+@dataclass(frozen=True)
+class ShownScan:
+    """A mesh in the world frame, and the material map that it shows.
+
+    Attributes:
+        vertices: (N, 3) float32, metres.
+        normals: (N, 3) float32, unit, outward.
+        faces: (F, 3) int32.
+        voxel_of: (N,) int64, the nearest voxel of the map.
+        found: the map.
+        up: direction that points up in the world frame.
+        voxel_size: edge of a voxel, metres.
+        view_stamps: (W,) int64, nanoseconds, when each view of the map's surface was taken; empty
+            where that is not known.
+    """
+
+    vertices: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    faces: NDArray[np.int32]
+    voxel_of: NDArray[np.int64]
+    found: MaterialMap
+    up: tuple[float, float, float]
+    voxel_size: float
+    view_stamps: NDArray[np.int64]
+
+    @staticmethod
+    def of(scan: Scan, found: MaterialMap, up: tuple[float, float, float]) -> ShownScan:
+        """Extract the mesh of a scan.
+
+        Args:
+            scan: what was fused.
+            found: its materials.
+            up: direction that points up in the world frame.
+
+        Raises:
+            ExportError: Nothing was scanned, or a package of the extra ``asset`` is missing.
+        """
+        mesh = scanned_mesh(scan, FACES)
+        normals = mesh.vertex_normals
+        _, near = cKDTree(found.surface.positions).query(mesh.vertices)
+        return ShownScan(
+            mesh.vertices,
+            normals,
+            mesh.faces,
+            near.astype(np.int64),
+            found,
+            up,
+            scan.fusion.voxel_size,
+            scan.views.stamps[: scan.views.count].copy(),
+        )
+
+    @staticmethod
+    def of_voxels(
+        found: MaterialMap, up: tuple[float, float, float], voxel_size: float
+    ) -> ShownScan:
+        """Draw each voxel as a square along its surface, where no volume is at hand.
+
+        Args:
+            found: the materials.
+            up: direction that points up in the world frame.
+            voxel_size: edge of the squares, metres.
+        """
+        surface = found.surface
+        count = surface.voxel_count
+        helper = np.where(np.abs(surface.normals[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 0, 1.0]])
+        along = np.cross(helper, surface.normals)
+        along *= 0.5 * voxel_size / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
+        across = np.cross(surface.normals, along)
+        corners = np.stack([-along - across, along - across, along + across, across - along], 1)
+        first = 4 * np.arange(count, dtype=np.int32)[:, None]
+        halves = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
+        return ShownScan(
+            (surface.positions[:, None] + corners).reshape(-1, 3).astype(np.float32),
+            np.repeat(surface.normals, 4, axis=0),
+            (first[:, :, None] + halves).reshape(-1, 3),
+            np.repeat(np.arange(count), 4),
+            found,
+            up,
+            voxel_size,
+            np.zeros(0, np.int64),
+        )
+
+    @property
+    def has_observations(self) -> bool:
+        """Whether the map's surface still holds what the views saw."""
+        return len(self.found.surface.colours) > 0
+
+    @cached_property
+    def material_ids(self) -> NDArray[np.int64]:
+        """(N,) id of each vertex' material; :data:`NO_MATERIAL` without an estimate."""
+        known = [one.id for one in self.found.materials]
+        ids = self.found.material_ids.astype(np.int64)
+        return np.where(np.isin(ids, known), ids, NO_MATERIAL)[self.voxel_of]
+
+    @cached_property
+    def rho_d(self) -> NDArray[np.float32]:
+        """(N, 3) albedo, between the nearest voxels of the vertex' material; NaN where unknown."""
+        width = 0.7 * self.voxel_size
+        surface, labels = self.found.surface, self.found.material_ids.astype(np.int64)
+        found = interpolated(
+            self.vertices,
+            labels[self.voxel_of].astype(np.int32),
+            surface.positions,
+            labels.astype(np.int32),
+            self.found.rho_d,
+            width,
+        )
+        return np.where(self.material_ids[:, None] == NO_MATERIAL, np.float32(np.nan), found)
+
+    @cached_property
+    def observed(self) -> NDArray[np.uint8]:
+        """(N, 3) sRGB, the mean that the views saw, between the nearest voxels."""
+        surface = self.found.surface
+        linear = srgb.LINEAR[observed_colours(surface)]
+        one = np.zeros(surface.voxel_count, np.int32)
+        smooth = interpolated(
+            self.vertices,
+            one[self.voxel_of],
+            surface.positions,
+            one,
+            linear,
+            0.7 * self.voxel_size,
+        )
+        return np.asarray(np.rint(255 * srgb.encode(smooth)), np.uint8)
+
+    @cached_property
+    def coverage(self) -> NDArray[np.float32]:
+        """(N,) share of the directions from which the voxel can be seen that were used."""
+        voxels = np.arange(self.found.surface.voxel_count)
+        cells = seen_cells(self.found.surface, voxels)
+        shares = cells.sum(axis=(1, 2)) / (RINGS * SECTORS)
+        return np.asarray(shares[self.voxel_of], np.float32)
+
+    @cached_property
+    def first_seen(self) -> NDArray[np.int64]:
+        """(N,) nanoseconds, when a view first saw the vertex' voxel; 0 where that is not known."""
+        surface = self.found.surface
+        counts = surface.observation_counts
+        first = np.zeros(surface.voxel_count, np.int64)
+        if len(self.view_stamps) and counts.any():
+            stamps = self.view_stamps[surface.view_indices]
+            # reduceat needs a row for each start: voxels without observations are left out.
+            first[counts > 0] = np.minimum.reduceat(stamps, surface.offsets[:-1][counts > 0])
+        return first[self.voxel_of]
+
+    def of_materials(self, name: str) -> NDArray[np.float32]:
+        """Spread a number of the materials' estimates over the vertices.
+
+        Args:
+            name: a scalar field of :class:`.BrdfEstimate`.
+
+        Returns:
+            (N,) float32; NaN where there is no estimate.
+        """
+        values = np.full(len(self.vertices), np.nan, np.float32)
+        for one in self.found.materials:
+            values[self.material_ids == one.id] = getattr(one.estimate, name)
+        return values
+
+    def material_at(self, vertex: int) -> MaterialEstimate | None:
+        """The material of a vertex.
+
+        Args:
+            vertex: its index.
+        """
+        return self.found.material(int(self.material_ids[vertex]))
