@@ -69,7 +69,8 @@ def main() -> None:
         surface = dataclasses.replace(keep_views(scene.surface, views), light=light)
         found.append(explain(surface, light))
         overexposed.append((surface.colours == 255).any(axis=1).mean())
-        truths.append([*scene.truth.rho_d, scene.truth.rho_s, scene.truth.alpha])
+        truth = scene.materials.dominant.ward
+        truths.append([*truth.rho_d, truth.rho_s, truth.alpha])
     truth = np.array(truths)
     print(f"{len(truth)} scenes\n\n| rho_d by | RMS error | median error of its logarithm | r |")
     print("|---|---|---|---|")

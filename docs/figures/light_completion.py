@@ -61,7 +61,8 @@ def main() -> None:
         axis.axis("off")
     figure.savefig(arguments.out, dpi=110)
     albedo = np.round(found.inferred[1].albedo, 3)
-    print(f"rho_d {np.round(scene.truth.rho_d, 3)}, by the fit {albedo}, {scene.view_pattern}")
+    truth = np.round(scene.materials.dominant.ward.rho_d, 3)
+    print(f"rho_d {truth}, by the fit {albedo}, {scene.view_pattern}")
 
 
 if __name__ == "__main__":

@@ -50,7 +50,8 @@ class SourceScenes:
             EvaluationError: environments or meshes are not those of the data set.
         """
         drawn = self.generation.scene(Split(scene.split), scene.index)
-        if drawn.material != scene.truth or drawn.light.name != scene.environment:
+        is_same = drawn.painted.dominant.ward == scene.materials.dominant.ward
+        if not is_same or drawn.light.name != scene.environment:
             raise EvaluationError(
                 f"scene {scene.index} of {scene.split} cannot be drawn again: --environments "
                 "and --meshes are not those that the data set was generated with"

@@ -39,7 +39,8 @@ def test_scans_come_back_with_their_truth_and_a_lost_file_is_made_again(data, tm
     assert scans.scene.tolist() == [0, 0, 0, 1, 1, 1]
     assert scans.arrays["apparent"].shape[:2] == (6, VOXELS)
     for scene in load_scenes(data, "train"):
-        truth = [*scene.truth.rho_d, scene.truth.rho_s, scene.truth.alpha]
+        ward = scene.materials.dominant.ward
+        truth = [*ward.rho_d, ward.rho_s, ward.alpha]
         np.testing.assert_allclose(scans.ward[scans.scene == scene.index], [truth] * 3, rtol=1e-6)
     before = {name: array.copy() for name, array in scans.arrays.items()}
     (shard,) = tmp_path.rglob("train-*.safetensors")

@@ -35,7 +35,7 @@ def test_far_light_is_drawn_as_before(which):
     split, index, lighting = which
     scene = draw_scene(5, split, index, Sources(procedural_skies(3), []), 6, lighting)
     words, material, rest = DRAWN[which]
-    truth, light = scene.material, scene.light
+    truth, light = scene.painted.dominant.ward, scene.light
     assert (scene.shape, scene.view_pattern, light.name) == words
     drawn = truth.rho_d[0], truth.rho_s, truth.alpha, light.rotation
     assert drawn == pytest.approx(material, rel=1e-9)

@@ -48,7 +48,7 @@ class SceneSummary:
         Args:
             scene: the scene.
         """
-        surface, truth = scene.surface, scene.truth
+        surface, truth = scene.surface, scene.materials.dominant.ward
         return cls(
             split=scene.split,
             shape=scene.shape,

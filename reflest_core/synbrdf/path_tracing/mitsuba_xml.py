@@ -58,7 +58,7 @@ def write_scene(
         RoomNotWritten: if the scene stands in a room.
         MaterialsNotWritten: if the scene has several materials.
     """
-    if scene.painted is not None:
+    if not scene.painted.is_uniform:
         raise MaterialsNotWritten(
             f"{folder.name} has several materials, which Mitsuba files do not hold: use --product "
             "object, or 'reflest synbrdf images'"
@@ -70,7 +70,7 @@ def write_scene(
         )
     with whole_folder(folder) as unfinished:
         unfinished.mkdir()
-        mesh = mitsuba_mesh(scene.mesh, ward_bsdf(scene.material))
+        mesh = mitsuba_mesh(scene.mesh, ward_bsdf(scene.painted.dominant.ward))
         try:
             mesh.write_ply(str(unfinished / MESH))
         except RuntimeError as error:
@@ -132,7 +132,7 @@ def _add_sensor(
 def _add_object(root: ElementTree.Element, scene: Scene) -> None:
     shape = ElementTree.SubElement(root, "shape", type="ply", id="object")
     _add(shape, "string", "filename", MESH)
-    material = scene.material
+    material = scene.painted.dominant.ward
     bsdf = ElementTree.SubElement(shape, "bsdf", type=PLUGIN)
     _add(bsdf, "rgb", "rho_d", ", ".join(map(repr, material.rho_d)))
     _add(bsdf, "float", "rho_s", repr(material.rho_s))

@@ -175,7 +175,8 @@ class SceneImages:
         np.savetxt(_named(stem, ".pose.txt"), pose, fmt="%.9g")
 
     def _card(self, scene: Scene, overview: Overview, views: list[int]) -> dict[str, Any]:
-        material, labcd = scene.material, to_labcd(scene.material)
+        material = scene.painted.dominant.ward
+        labcd = to_labcd(material)
         return {
             "ward_variant": material.variant.value,
             "rho_d": material.rho_d,
@@ -184,7 +185,7 @@ class SceneImages:
             "lab": labcd.lab,
             "c": labcd.c,
             "d": labcd.d,
-            **({} if scene.painted is None else {"materials": scene.painted.cards()}),
+            **({} if scene.painted.is_uniform else {"materials": scene.painted.cards()}),
             "split": scene.split.value,
             "index": scene.index,
             "shape": scene.shape,

@@ -71,11 +71,12 @@ def exact_voxels(rendered: Any, scene: Scene, points: int, rng: np.random.Genera
         rng: Source of the draw.
     """
     centres = scene.poses[:, :3, 3].astype(np.float32)
-    drawn = points if scene.painted is None else DRAWN_TO_KEPT * points
-    weights = None if scene.painted is None else scene.painted.densities()
+    is_uniform = scene.painted.is_uniform
+    drawn = points if is_uniform else DRAWN_TO_KEPT * points
+    weights = None if is_uniform else scene.painted.densities()
     positions, normals, faces = draw_surface_points(scene.mesh, drawn, rng, weights)
     voxel_of, view_of = visible_pairs(rendered, positions, normals, centres)
-    if scene.painted is not None:
+    if not is_uniform:
         within = np.stack([in_image(positions, THUMBNAIL, pose) for pose in scene.poses], axis=1)
         seen = within[voxel_of, view_of]
         voxel_of, view_of = voxel_of[seen], view_of[seen]
@@ -122,8 +123,10 @@ def fused_voxels(
     faces, is_true = _true_faces(rendered, surface.positions, surface.normals)
     kept = np.flatnonzero(is_true & (surface.observation_counts > 0))
     if len(kept) > points:
-        weights = None if scene.painted is None else scene.painted.densities()[faces[kept]]
-        share = None if weights is None else weights / weights.sum()
+        share = None
+        if not scene.painted.is_uniform:
+            weights = scene.painted.densities()[faces[kept]]
+            share = weights / weights.sum()
         kept = np.sort(rng.choice(kept, points, replace=False, p=share))
     counts = surface.observation_counts[kept]
     voxel_of = np.repeat(np.arange(len(kept)), counts)

@@ -123,7 +123,7 @@ class SparseRenderer:
         )
         return SynbrdfScene(
             surface=surface,
-            truth=scene.material,
+            materials=scene.painted.at_faces(voxels.faces),
             split=scene.split.value,
             index=scene.index,
             environment=scene.light.name,
@@ -133,9 +133,6 @@ class SparseRenderer:
             exposure=overview.exposure,
             radiance=radiance.astype(np.float16),
             thumbnails=overview.thumbnails,
-            material_source=scene.material_source,
-            material_name=scene.material_name,
-            materials=None if scene.painted is None else scene.painted.at_faces(voxels.faces),
         )
 
     def _voxels(
@@ -156,7 +153,7 @@ class SparseRenderer:
 
     def _tracer_of(self, scene: Scene) -> RadianceTracer:
         """Light between the surfaces of a tabletop needs longer paths than one object's."""
-        if scene.painted is None:
+        if scene.painted.is_uniform:
             return self.tracer
         if self._tabletops is None:
             self._tabletops = RadianceTracer(
@@ -175,8 +172,8 @@ class SparseRenderer:
 
     def _overview(self, scene: Scene, trace_seed: int) -> Overview:
         bsdf = self.bsdf
-        if scene.painted is None:
-            bsdf.set_parameters(scene.material)
+        if scene.painted.is_uniform:
+            bsdf.set_parameters(scene.painted.dominant.ward)
         else:
             bsdf = face_ward_bsdf(scene.painted)
         if scene.room is None:

@@ -20,7 +20,7 @@ from reflest_core.synbrdf.generation.data_folder import begin_manifest, read_man
 from reflest_core.synbrdf.generation.data_set import Generation
 from reflest_core.synbrdf.generation.shard_workers import WorkerError, finished
 from reflest_core.synbrdf.lights.environments import EnvironmentSource, load_environments
-from reflest_core.synbrdf.relit.relit_scene import NATURAL_SHARE, drawn_anew, is_relightable
+from reflest_core.synbrdf.relit.relit_scene import NATURAL_SHARE, is_relightable, randomly_relit
 from reflest_core.synbrdf.scenes.scene_file import (
     FORMAT,
     load_shard,
@@ -162,5 +162,5 @@ def relit_agreed(
             continue
         stream = generator(seed, Split(scene.split), scene.index, Purpose.RELIGHT)
         rng = np.random.default_rng([int(stream.integers(2**63)), task.copy])
-        relit.append(drawn_anew(scene, maps, rng, natural_share))
+        relit.append(randomly_relit(scene, maps, rng, natural_share))
     return shard_bytes(relit)

@@ -36,6 +36,7 @@ from reflest_core.synbrdf.scenes.exposure import auto_exposure, expose
 from reflest_core.synbrdf.scenes.materials import draw_material
 from reflest_core.synbrdf.scenes.metering import mean_colours
 from reflest_core.synbrdf.scenes.scene_file import SynbrdfScene
+from reflest_core.synbrdf.scenes.scene_materials import SceneMaterial, VoxelMaterials
 
 EDGE = 192
 """Of the octahedral map that reflections look into: 0.9 degrees a texel."""
@@ -65,7 +66,7 @@ def is_relightable(scene: SynbrdfScene) -> bool:
     return float(incoming(weights, sight).hidden.mean()) <= MOST_HIDDEN
 
 
-def drawn_anew(
+def randomly_relit(
     scene: SynbrdfScene,
     maps: Mapping[str, NDArray[np.float32]],
     rng: np.random.Generator,
@@ -86,7 +87,9 @@ def drawn_anew(
         drawn = DiverseLight(light, (name,))
     else:
         drawn = draw_diverse_light(rng, maps)
-    again = relit(scene, draw_material(rng, scene.truth.variant), drawn.radiance, rng)
+    again = relit(
+        scene, draw_material(rng, scene.materials.dominant.ward.variant), drawn.radiance, rng
+    )
     return dataclasses.replace(again, environment="+".join((NAME, *drawn.natural)))
 
 
@@ -121,7 +124,7 @@ def relit(
     )
     return dataclasses.replace(
         scene,
-        truth=material,
+        materials=VoxelMaterials.uniform(SceneMaterial(material), surface.voxel_count),
         environment=NAME,
         environment_rotation=0.0,
         exposure=exposure,

@@ -11,19 +11,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.brdf.parameters import WardParameters
 from reflest_core.synbrdf.lights.environments import load_environment, load_environments, rotated
 from reflest_core.synbrdf.lights.light_diversity import draw_diverse_light
 from reflest_core.synbrdf.room.draw import draw_room
 from reflest_core.synbrdf.room.geometry import Room
 from reflest_core.synbrdf.scenes.material_sources import OPENSURFACES, Materials
+from reflest_core.synbrdf.scenes.painted_mesh import PaintedMesh
+from reflest_core.synbrdf.scenes.scene_materials import SceneMaterial
 from reflest_core.synbrdf.scenes.seeding import Purpose, generator
 from reflest_core.synbrdf.scenes.splits import Sources, Split
 from reflest_core.synbrdf.scenes.views import draw_views
 from reflest_core.synbrdf.shapes.mesh import TriangleMesh
 from reflest_core.synbrdf.shapes.mesh_file import load_mesh
 from reflest_core.synbrdf.shapes.procedural import DIAMETERS, draw_procedural, draw_rotation
-from reflest_core.synbrdf.tabletop.painted_mesh import PaintedMesh
 
 MESH_SHARE = 0.3
 """Of the scenes show a mesh from a file, where there are any; the rest are procedural."""
@@ -53,30 +53,27 @@ class Scene:
     Attributes:
         split: Train, validation or unseen.
         index: Within the split.
-        material: The object's; of several that of the largest area.
         shape: Name of the shape, or names joined by ``+``.
-        mesh: All surfaces that have a truth.
+        painted: All surfaces that have a truth, and their materials.
         light: The environment; in a room what its windows show.
         poses: ``T_world_camera`` (W, 4, 4), optical frames.
         view_pattern: How the views are spread.
         room: What stands about the object; None where the light is infinitely far on all sides.
-        material_source: Where ``material`` comes from.
-        material_name: Its family or fit.
-        painted: Materials of the faces of ``mesh``; None where all are of ``material``.
     """
 
     split: Split
     index: int
-    material: WardParameters
     shape: str
-    mesh: TriangleMesh
+    painted: PaintedMesh
     light: Light
     poses: NDArray[np.float64]
     view_pattern: str
     room: Room | None = None
-    material_source: str = OPENSURFACES.source.value
-    material_name: str = OPENSURFACES.source.value
-    painted: PaintedMesh | None = None
+
+    @property
+    def mesh(self) -> TriangleMesh:
+        """All surfaces that have a truth."""
+        return self.painted.mesh
 
 
 class Lighting(enum.Enum):
@@ -127,17 +124,14 @@ def draw_scene(
         name = f"{ROOM}+{light.name}" if room.windows else ROOM
         light = dataclasses.replace(light, name=name)
     return Scene(
-        split,
-        index,
-        material.ward,
-        shape,
-        mesh,
-        light,
-        poses,
-        pattern.value,
-        room,
-        material.source.value,
-        material.name,
+        split=split,
+        index=index,
+        shape=shape,
+        painted=PaintedMesh.uniform(mesh, SceneMaterial.of(material)),
+        light=light,
+        poses=poses,
+        view_pattern=pattern.value,
+        room=room,
     )
 
 

@@ -16,16 +16,16 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
-from reflest_core.brdf.parameters import WardParameters
 from reflest_core.errors import ReflestError
 from reflest_core.surface.observed_surface import SURFACE_ARRAYS, ObservedSurface
-from reflest_core.synbrdf.scenes.thumbnails import Thumbnails
-from reflest_core.synbrdf.scenes.voxel_materials import (
-    MaterialTruth,
+from reflest_core.synbrdf.scenes.material_sources import MaterialSource
+from reflest_core.synbrdf.scenes.scene_materials import (
+    SceneMaterial,
     VoxelMaterials,
     ward_card,
     ward_from_card,
 )
+from reflest_core.synbrdf.scenes.thumbnails import Thumbnails
 
 FORMAT = "synbrdf-sparse-2"
 NEAR_FORMAT = "synbrdf-sparse-3"
@@ -45,7 +45,7 @@ class SynbrdfScene:
 
     Attributes:
         surface: Voxels and their observations.
-        truth: The material; of a scene of several that of most voxels.
+        materials: The truth: materials of the scene, and of each voxel.
         split: Name of the split.
         index: Within the split.
         environment: Name of the light.
@@ -55,13 +55,10 @@ class SynbrdfScene:
         exposure: Factor from ``radiance`` to the sensor's [0, 1].
         radiance: (O, 3) float16, linear sRGB of every observation.
         thumbnails: A small image of every view.
-        material_source: Where ``truth`` comes from: ``opensurfaces`` or ``measured``.
-        material_name: Its family or fit.
-        materials: Materials of the voxels; None where all are of ``truth``.
     """
 
     surface: ObservedSurface
-    truth: WardParameters
+    materials: VoxelMaterials
     split: str
     index: int
     environment: str
@@ -71,9 +68,12 @@ class SynbrdfScene:
     exposure: float
     radiance: NDArray[np.float16]
     thumbnails: Thumbnails
-    material_source: str = "opensurfaces"
-    material_name: str = "opensurfaces"
-    materials: VoxelMaterials | None = None
+
+    def parts(self) -> list[SynbrdfScene]:
+        """A scene of each material that has voxels; a scene of one material itself."""
+        if len(self.materials.materials) == 1:
+            return [self]
+        return [self.of_material(int(number)) for number in np.unique(self.materials.ids)]
 
     def of_material(self, number: int) -> SynbrdfScene:
         """The voxels of one material alone, as a scene of that material.
@@ -84,9 +84,9 @@ class SynbrdfScene:
         Raises:
             SceneFileError: If the scene has no material of that id.
         """
-        if self.materials is None or not 0 <= number < len(self.materials.materials):
+        if not 0 <= number < len(self.materials.materials):
             raise SceneFileError(f"{self.split} scene {self.index} has no material {number}")
-        surface, material = self.surface, self.materials.materials[number]
+        surface = self.surface
         chosen = self.materials.ids == number
         counts = surface.observation_counts
         observed = np.repeat(chosen, counts)
@@ -101,11 +101,8 @@ class SynbrdfScene:
         return replace(
             self,
             surface=part,
-            truth=material.ward,
+            materials=VoxelMaterials.uniform(self.materials.materials[number], int(chosen.sum())),
             radiance=self.radiance[observed],
-            material_source=material.source,
-            material_name=material.name,
-            materials=None,
         )
 
 
@@ -127,12 +124,12 @@ def shard_bytes(scenes: list[SynbrdfScene]) -> bytes:
         arrays[f"{number:03d}/T_world_camera"] = thumbnails.T_world_camera
         if thumbnails.depth is not None:
             arrays[f"{number:03d}/depth"] = thumbnails.depth
-        if scene.materials is not None:
+        if _has_several(scene):
             arrays[f"{number:03d}/material_ids"] = scene.materials.ids
             arrays[f"{number:03d}/voxel_rho_d"] = scene.materials.rho_d
         cards.append(_card(scene))
     is_near = any(scene.thumbnails.depth is not None for scene in scenes)
-    has_materials = any(scene.materials is not None for scene in scenes)
+    has_materials = any(map(_has_several, scenes))
     metadata = {
         "format": SV_FORMAT if has_materials else NEAR_FORMAT if is_near else FORMAT,
         "scenes": json.dumps(cards, sort_keys=True),
@@ -192,30 +189,42 @@ def sha256(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
+def _has_several(scene: SynbrdfScene) -> bool:
+    return len(scene.materials.materials) > 1
+
+
 def _card(scene: SynbrdfScene) -> dict[str, Any]:
     card = {
         field.name: getattr(scene, field.name)
         for field in fields(scene)
-        if field.name not in ("surface", "truth", "radiance", "thumbnails", "materials")
+        if field.name not in ("surface", "materials", "radiance", "thumbnails")
     }
+    dominant = scene.materials.dominant
     # Files of the paper's materials and of one material stay as they have always been.
-    if scene.material_source == "opensurfaces":
-        del card["material_source"], card["material_name"]
-    if scene.materials is not None:
+    if dominant.source != MaterialSource.OPENSURFACES.value:
+        card |= {"material_source": dominant.source, "material_name": dominant.name}
+    if _has_several(scene):
         card["materials"] = [material.card() for material in scene.materials.materials]
-    return {**card, "truth": ward_card(scene.truth)}
+    return {**card, "truth": ward_card(dominant.ward)}
+
+
+def _materials(file: Any, number: int, card: dict[str, Any], voxels: int) -> VoxelMaterials:
+    """Take a scene's materials out of its card."""
+    ward = ward_from_card(card.pop("truth"))
+    source = card.pop("material_source", MaterialSource.OPENSURFACES.value)
+    name = card.pop("material_name", MaterialSource.OPENSURFACES.value)
+    if "materials" not in card:
+        return VoxelMaterials.uniform(SceneMaterial(ward, source, name), voxels)
+    materials = tuple(SceneMaterial.from_card(one) for one in card.pop("materials"))
+    dominant = [(one.ward, one.source, one.name) for one in materials].index((ward, source, name))
+    ids, rho_d = (file.get_tensor(f"{number:03d}/{key}") for key in ("material_ids", "voxel_rho_d"))
+    return VoxelMaterials(materials, ids, rho_d, dominant)
 
 
 def _scene(file: Any, number: int, card: dict[str, Any]) -> SynbrdfScene:
     arrays = {name: file.get_tensor(f"{number:03d}/{name}") for name in SURFACE_ARRAYS}
-    truth, named = ward_from_card(card.pop("truth")), card.pop("materials", None)
-    materials = None
-    if named is not None:
-        materials = VoxelMaterials(
-            tuple(MaterialTruth.from_card(one) for one in named),
-            file.get_tensor(f"{number:03d}/material_ids"),
-            file.get_tensor(f"{number:03d}/voxel_rho_d"),
-        )
+    surface = ObservedSurface(**arrays)
+    materials = _materials(file, number, card, surface.voxel_count)
     images, object_bits, poses, radiance = (
         file.get_tensor(f"{number:03d}/{name}")
         for name in ("rgbe", "is_object", "T_world_camera", "radiance")
@@ -224,8 +233,7 @@ def _scene(file: Any, number: int, card: dict[str, Any]) -> SynbrdfScene:
     depth = file.get_tensor(depth_name) if depth_name in file.keys() else None  # noqa: SIM118
     is_object = np.unpackbits(object_bits, axis=-1, count=images.shape[2]).astype(np.bool_)
     return SynbrdfScene(
-        surface=ObservedSurface(**arrays),
-        truth=truth,
+        surface=surface,
         materials=materials,
         radiance=radiance,
         thumbnails=Thumbnails(images, is_object, poses, depth),

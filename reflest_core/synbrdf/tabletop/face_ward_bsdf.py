@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from reflest_core.synbrdf.path_tracing.mitsuba_runtime import load_mitsuba
 from reflest_core.synbrdf.path_tracing.ward_bsdf import WardBSDF, specular_share
-from reflest_core.synbrdf.tabletop.painted_mesh import PaintedMesh
+from reflest_core.synbrdf.scenes.painted_mesh import PaintedMesh
 
 mi: Any = load_mitsuba()
 import drjit as dr  # noqa: E402  (Mitsuba's loader must choose the LLVM first)

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.synbrdf.scenes.material_sources import Materials, NamedMaterial
+from reflest_core.synbrdf.scenes.painted_mesh import PaintedMesh, joined
 from reflest_core.synbrdf.shapes.mesh import TriangleMesh, grid_faces
-from reflest_core.synbrdf.tabletop.painted_mesh import PaintedMesh, joined
 from reflest_core.synbrdf.tabletop.texture import TEXEL, draw_texture, one_material
 
 FloatArray = NDArray[np.float64]

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.synbrdf.scenes.material_sources import Materials
+from reflest_core.synbrdf.scenes.painted_mesh import PaintedMesh
+from reflest_core.synbrdf.scenes.scene_materials import OBJECT
 from reflest_core.synbrdf.shapes.mesh import TriangleMesh
 from reflest_core.synbrdf.shapes.mesh_file import MeshSource, load_mesh
 from reflest_core.synbrdf.shapes.procedural import draw_procedural, draw_rotation
-from reflest_core.synbrdf.tabletop.painted_mesh import OBJECT, PaintedMesh
 from reflest_core.synbrdf.tabletop.texture import (
     TEXEL,
     draw_texture,
@@ -59,7 +60,7 @@ def draw_objects(
         if place is None:
             continue
         taken.append((place, radius))
-        painted = _draw_paint(rng, mesh, f"{OBJECT}{len(objects) + 1}", materials)
+        painted = _draw_paint(rng, mesh, f"{OBJECT}-{len(objects) + 1}", materials)
         lowest = float(mesh.vertices[:, 2].min())
         objects.append(painted.shifted(np.array([*place, -lowest - SINK])))
         names.append(name)

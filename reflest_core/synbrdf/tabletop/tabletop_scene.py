@@ -15,13 +15,13 @@ from reflest_core.synbrdf.lights.environments import load_environment, rotated
 from reflest_core.synbrdf.room.draw import draw_room
 from reflest_core.synbrdf.room.geometry import Room
 from reflest_core.synbrdf.scenes.material_sources import Materials
+from reflest_core.synbrdf.scenes.painted_mesh import PaintedMesh, joined
 from reflest_core.synbrdf.scenes.scene import ROOM, Light, Scene
 from reflest_core.synbrdf.scenes.seeding import Purpose, generator
 from reflest_core.synbrdf.scenes.splits import Sources, Split
 from reflest_core.synbrdf.sequences.trajectory import Orbit, hand_held_orbit
 from reflest_core.synbrdf.tabletop.ground import Setting, draw_ground
 from reflest_core.synbrdf.tabletop.objects import draw_objects
-from reflest_core.synbrdf.tabletop.painted_mesh import PaintedMesh, joined
 
 CORNER_SHARE, ROOM_SHARE = 0.25, 0.3
 """Of scenes where the user leaves setting and lighting open."""
@@ -137,20 +137,15 @@ def draw_tabletop_scene(
     light = TabletopLight.NEAR if is_near else None
     choices = TabletopChoices(light=light, environment_height=SPARSE_HEIGHT)
     drawn = draw_tabletop(rng, sources, materials, views, choices)
-    largest = drawn.painted.largest()
     return Scene(
-        split,
-        index,
-        largest.ward,
-        "+".join(drawn.shapes),
-        drawn.painted.mesh,
-        drawn.light,
-        drawn.poses,
-        drawn.setting.value,
-        drawn.room,
-        largest.source.value,
-        largest.name,
-        drawn.painted,
+        split=split,
+        index=index,
+        shape="+".join(drawn.shapes),
+        painted=drawn.painted,
+        light=drawn.light,
+        poses=drawn.poses,
+        view_pattern=drawn.setting.value,
+        room=drawn.room,
     )
 
 

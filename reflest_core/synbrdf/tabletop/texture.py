@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.synbrdf.scenes.material_sources import Materials, NamedMaterial
+from reflest_core.synbrdf.scenes.painted_mesh import PaintedMesh
+from reflest_core.synbrdf.scenes.scene_materials import PLAIN, SceneMaterial
 from reflest_core.synbrdf.shapes.mesh import TriangleMesh
-from reflest_core.synbrdf.tabletop.painted_mesh import PaintedMesh, SceneMaterial
 
 FloatArray = NDArray[np.float64]
 KINDS = ("checker", "stripes", "spots", "grain")
-PLAIN = "plain"
 CELLS = (0.02, 0.06)
 """Metres, width of a pattern's cells; whole multiples of :data:`TEXEL`."""
 TEXEL = 0.005
@@ -96,9 +96,9 @@ def one_material(
     else:
         share = texture.share(mesh.vertices[mesh.faces].mean(axis=1))[:, None]
         rho_d = first + share * (texture.other - first)
-    material = SceneMaterial(named, part, PLAIN if texture is None else texture.kind)
+    material = SceneMaterial.of(named, part, PLAIN if texture is None else texture.kind)
     ids = np.zeros(len(mesh.faces), np.int32)
-    return PaintedMesh(mesh, [material], ids, rho_d.astype(np.float32))
+    return PaintedMesh(mesh, (material,), ids, rho_d.astype(np.float32))
 
 
 def two_materials(
@@ -116,5 +116,5 @@ def two_materials(
     middles = mesh.vertices[mesh.faces].mean(axis=1)
     ids = (middles @ cut[:3] > cut[3]).astype(np.int32)
     wards = np.array([first.ward.rho_d, second.ward.rho_d], np.float32)
-    materials = [SceneMaterial(first, part, PLAIN), SceneMaterial(second, part, PLAIN)]
+    materials = SceneMaterial.of(first, part), SceneMaterial.of(second, part)
     return PaintedMesh(mesh, materials, ids, wards[ids])

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.gloss import to_labcd
+from reflest_core.synbrdf.scenes.painted_mesh import PaintedMesh
+from reflest_core.synbrdf.scenes.scene_materials import SceneMaterial
 from reflest_core.synbrdf.sequences.sequence_truth import TRUTH
-from reflest_core.synbrdf.tabletop.painted_mesh import PaintedMesh, SceneMaterial
 
 FORMAT = "synbrdf-sv-truth-1"
 CLOUD = "truth.ply"
@@ -97,7 +98,7 @@ def material_cards(painted: PaintedMesh, points: NDArray[np.void]) -> list[dict[
 def _card(
     number: int, material: SceneMaterial, points: NDArray[np.void], count: int
 ) -> dict[str, Any]:
-    ward, labcd = material.named.ward, to_labcd(material.named.ward)
+    ward, labcd = material.ward, to_labcd(material.ward)
     mean = [
         float(points[f"rho_d_{channel}"].mean()) if len(points) else ward.rho_d[k]
         for k, channel in enumerate("rgb")
@@ -105,8 +106,8 @@ def _card(
     return {
         "id": number,
         "part": material.part,
-        "source": material.named.source.value,
-        "name": material.named.name,
+        "source": material.source,
+        "name": material.name,
         "texture": material.texture,
         "ward_variant": ward.variant.value,
         "rho_d": ward.rho_d,

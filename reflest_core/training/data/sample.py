@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +31,7 @@ class TrainingError(ReflestError):
 
 @dataclass(frozen=True)
 class Sample:
-    """A scene.
+    """A surface of one material.
 
     Attributes:
         surface: What was observed.
@@ -102,6 +103,8 @@ def usable_scenes(
 ) -> Iterator[SynbrdfScene]:
     """Read the scenes of a split that show enough of a surface, in order.
 
+    A scene of several materials gives one of each (:meth:`.SynbrdfScene.parts`).
+
     Args:
         folder: Of a SynBRDF set.
         split: ``train``, ``validation`` or ``unseen``.
@@ -110,18 +113,18 @@ def usable_scenes(
     scenes: Iterable[SynbrdfScene] = load_scenes(folder, split)
     if degradation is not None:
         scenes = map(degradation.applied, scenes)
-    for scene in scenes:
+    for scene in chain.from_iterable(scene.parts() for scene in scenes):
         seen = scene.surface.observation_counts >= MIN_OBSERVATIONS
         if seen.sum() >= LEAST_USABLE_VOXELS:
             yield scene
 
 
 def sample_of(scene: SynbrdfScene) -> Sample:
-    """Make the sample of a scene, without the light in its background.
+    """Make the sample of a scene of one material, without the light in its background.
 
     Args:
         scene: The scene.
     """
-    truth = scene.truth
+    truth = scene.materials.dominant.ward
     ward = np.array([*truth.rho_d, truth.rho_s, truth.alpha])
     return Sample(scene.surface, ward, scene.environment, scene.index)

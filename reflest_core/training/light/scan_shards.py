@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from concurrent.futures import as_completed
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -73,10 +74,11 @@ def _simulate_shard(shard: Path, path: Path, plan: ScanPlan) -> int:
     """Write the scans of one shard's scenes; return how many are not finite and left out."""
     rows, cards, left_out = [], [], 0
     with one_blas_thread():
-        for scene in load_shard(shard):
+        for scene in chain.from_iterable(whole.parts() for whole in load_shard(shard)):
             if not plan.takes(scene.environment):
                 continue
-            ward = [*scene.truth.rho_d, scene.truth.rho_s, scene.truth.alpha]
+            truth = scene.materials.dominant.ward
+            ward = [*truth.rho_d, truth.rho_s, truth.alpha]
             for draw, rng in plan.draws(scene.index):
                 features = simulated_scan(scene, draw, rng, plan.without)
                 if features is None:

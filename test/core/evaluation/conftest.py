@@ -1,11 +1,17 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A tiny data set, three variants trained on it for a moment, and an untrained lightnet."""
+"""A tiny data set, briefly trained variants, an untrained lightnet, and an evaluation of them."""
 
+import numpy as np
 import pytest
 import torch
+from matplotlib.figure import Figure
 
 from reflest_core.cli.main import main
+from reflest_core.evaluation import parts
+from reflest_core.evaluation.pictures import swatches
+from reflest_core.evaluation.studies import single_image, view_study
+from test.core.evaluation.results import FIGURES
 from test.core.training.scenes import write_synbrdf
 from test.core.weight_files import untrained_lightnet
 
@@ -46,4 +52,38 @@ def runs(data, tmp_path_factory):
         train(data, folder, name, *(["--realism"] if name == "hemicnn-rmse1" else []))
     (folder / "lightnet").mkdir()
     untrained_lightnet(folder).rename(folder / "lightnet" / "lightnet.safetensors")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def out(data, runs, unhardened, tmp_path_factory):
+    """Folder with the records and the page of one evaluation of most parts."""
+    folder = tmp_path_factory.mktemp("results")
+    save = Figure.savefig
+
+    def save_and_keep(figure, path, **options):
+        FIGURES[str(path.relative_to(folder).with_suffix(""))] = figure
+        save(figure, path, **options)
+
+    effort = single_image.Effort(steps=3, starts=(0.1,))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(single_image, "Effort", lambda: effort)
+        patch.setattr(Figure, "savefig", save_and_keep)
+        patch.setattr(swatches, "ALPHAS", np.geomspace(0.001, 0.5, 3))
+        patch.setattr(swatches, "STRATA", 2)
+        patch.setattr(parts, "RENDERED", 3)
+        patch.setattr(parts, "FEW_SCENES", 3)
+        patch.setattr(view_study, "VIEW_COUNTS", (5, 20, 30))
+        elsewhere = (
+            "materials",
+            "quick",
+            "ablation",
+            "look-around",
+            "held-out-lights",
+            "stability",
+        )
+        wanted = [part for part in parts.PARTS if part not in elsewhere]
+        options = ["--out", str(folder), "--runs", str(runs), "--unhardened", str(unhardened)]
+        options += ["--optimised", "2"]
+        assert main(["evaluate", str(data), *options, "--parts", *wanted]) == 0
     return folder

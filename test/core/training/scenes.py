@@ -8,6 +8,7 @@ import numpy as np
 
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.synbrdf.scenes.scene_file import MANIFEST, SynbrdfScene, shard_bytes
+from reflest_core.synbrdf.scenes.scene_materials import SceneMaterial, VoxelMaterials
 from reflest_core.synbrdf.scenes.thumbnails import Thumbnails
 from reflest_core.synbrdf.scenes.views import look_at
 from reflest_core.training.data.sample import Sample
@@ -49,7 +50,12 @@ def stored_scene(sample, split, index, environment="sunny"):
     views = len(centres)
     return SynbrdfScene(
         surface=sample.surface,
-        truth=WardParameters(tuple(sample.ward[:3].tolist()), *sample.ward[3:].tolist()),
+        materials=VoxelMaterials.uniform(
+            SceneMaterial(
+                WardParameters(tuple(sample.ward[:3].tolist()), *sample.ward[3:].tolist())
+            ),
+            sample.surface.voxel_count,
+        ),
         split=split,
         index=index,
         environment=environment,

@@ -102,9 +102,12 @@ def test_scenes_come_back_whole(generated):
         cosines = np.einsum("ij,ij->i", surface.view_directions(), surface.normals[of_point])
         assert cosines.min() > 0.25
         assert np.isfinite(surface.view_background).all()
-        assert max(scene.truth.rho_d) + scene.truth.rho_s <= 1 + 1e-9
+        assert (
+            max(scene.materials.dominant.ward.rho_d) + scene.materials.dominant.ward.rho_s
+            <= 1 + 1e-9
+        )
     one, other = scenes
-    assert one.truth != other.truth
+    assert one.materials.dominant != other.materials.dominant
     unseen = next(load_scenes(generated, "unseen"))
     assert unseen.environment not in {e for s in scenes for e in s.environment.split("+")}
 

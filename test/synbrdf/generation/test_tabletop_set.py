@@ -27,6 +27,7 @@ from reflest_core.synbrdf.scenes.scene_file import (
 from reflest_core.synbrdf.scenes.splits import Split
 from reflest_core.synbrdf.scenes.surface_points import SurfaceKind
 from reflest_core.synbrdf.scenes.views import depth_camera
+from reflest_core.training.data.sample import load_samples
 
 FITS = (
     "material,rho_d_r,rho_d_g,rho_d_b,rho_s_r,rho_s_g,rho_s_b,alpha\n"
@@ -85,7 +86,7 @@ def test_the_materials_part_a_scene(data):
     assert sum(part.surface.voxel_count for part in parts) == scene.surface.voxel_count
     assert sum(len(part.radiance) for part in parts) == len(scene.radiance)
     for number, part in enumerate(parts):
-        assert part.truth == scene.materials.materials[number].ward
+        assert part.materials.dominant.ward == scene.materials.materials[number].ward
         chosen = scene.materials.ids == number
         np.testing.assert_array_equal(part.surface.positions, scene.surface.positions[chosen])
         counts = part.surface.observation_counts
@@ -94,6 +95,24 @@ def test_the_materials_part_a_scene(data):
     assert b"voxel_rho_d" not in shard_bytes(parts)
     with pytest.raises(SceneFileError, match="no material 99"):
         scene.of_material(99)
+
+
+def test_the_dominant_material_is_that_of_the_largest_area(data):
+    (scene,) = load_scenes(data, "train")
+    assert scene.materials.dominant.part == "table"
+    assert scene.materials.dominant == scene.materials.materials[scene.materials.dominant_id]
+
+
+def test_training_gets_a_sample_of_each_material(data):
+    (scene,) = load_scenes(data, "train")
+    samples = load_samples(data, "train")
+    wards = {tuple(sample.ward) for sample in samples}
+    assert wards <= {
+        (*material.ward.rho_d, material.ward.rho_s, material.ward.alpha)
+        for material in scene.materials.materials
+    }
+    assert len(wards) == len(samples) > 1
+    assert sum(s.surface.voxel_count for s in samples) <= scene.surface.voxel_count
 
 
 def test_fused_voxels_lie_near_the_surface_with_the_errors_of_fusion():

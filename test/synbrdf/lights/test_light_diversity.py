@@ -61,7 +61,7 @@ def test_only_training_scenes_get_it():
     assert kind == "diverse"
     assert set(mixed) <= {source.name for source in sources.environments}
     assert natural.light.name.startswith("sky-")
-    assert diverse.material != natural.material
+    assert diverse.painted.dominant != natural.painted.dominant
     for split in (Split.VALIDATION, Split.UNSEEN):
         natural, diverse = scenes[split]
         np.testing.assert_array_equal(diverse.light.radiance, natural.light.radiance)

@@ -36,7 +36,7 @@ def scene():
 
 @pytest.fixture(scope="module")
 def rendered(scene):
-    return mitsuba_scene(scene.mesh, ward_bsdf(scene.material), scene.light.radiance)
+    return mitsuba_scene(scene.mesh, ward_bsdf(scene.painted.dominant.ward), scene.light.radiance)
 
 
 @pytest.fixture(scope="module")

@@ -98,8 +98,11 @@ def test_files_of_a_view_agree_with_each_other(images):
 
 def test_the_card_tells_the_truth_and_the_sparse_exposure(images, sparse):
     card = json.loads((images / "scene.json").read_text())
-    assert card["rho_d"] == list(sparse.truth.rho_d)
-    assert (card["rho_s"], card["alpha"]) == (sparse.truth.rho_s, sparse.truth.alpha)
+    assert card["rho_d"] == list(sparse.materials.dominant.ward.rho_d)
+    assert (card["rho_s"], card["alpha"]) == (
+        sparse.materials.dominant.ward.rho_s,
+        sparse.materials.dominant.ward.alpha,
+    )
     assert card["exposure"] == sparse.exposure
     assert card["views"] == FRAMES
     assert card["environment"] == sparse.environment

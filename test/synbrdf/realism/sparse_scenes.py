@@ -9,6 +9,7 @@ from reflest_core.light import rgbe
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.synbrdf.scenes.exposure import expose
 from reflest_core.synbrdf.scenes.scene_file import SynbrdfScene
+from reflest_core.synbrdf.scenes.scene_materials import SceneMaterial, VoxelMaterials
 from reflest_core.synbrdf.scenes.thumbnails import Thumbnails
 from reflest_core.synbrdf.scenes.views import look_at
 
@@ -48,7 +49,10 @@ def ball_scene(points=200, views=30, seed=0):
     )
     return SynbrdfScene(
         surface=surface,
-        truth=WardParameters((0.9, 0.5, 0.3), 0.0, 0.1),
+        materials=VoxelMaterials.uniform(
+            SceneMaterial(WardParameters((0.9, 0.5, 0.3), 0.0, 0.1)),
+            surface.voxel_count,
+        ),
         split="train",
         index=3,
         environment="smooth",

@@ -18,7 +18,7 @@ from reflest_core.synbrdf.generation.process_pool import process_pool
 from reflest_core.synbrdf.lights.environments import load_environment, rotated
 from reflest_core.synbrdf.lights.procedural_sky import procedural_sky
 from reflest_core.synbrdf.relit.relighting import Relighting, RelightingRefused, relight
-from reflest_core.synbrdf.relit.relit_scene import drawn_anew, is_relightable, relit
+from reflest_core.synbrdf.relit.relit_scene import is_relightable, randomly_relit, relit
 from reflest_core.synbrdf.relit.scene_light import backgrounds
 from reflest_core.synbrdf.scenes.scene_file import MANIFEST, SceneFileError, load_scenes, sha256
 from reflest_core.synbrdf.scenes.splits import Split
@@ -53,7 +53,12 @@ def own_light(generation, scene):
 def test_by_its_own_light_and_material_a_scene_is_what_mitsuba_rendered(generation, convex):
     medians = []
     for scene in convex:
-        again = relit(scene, scene.truth, own_light(generation, scene), np.random.default_rng(0))
+        again = relit(
+            scene,
+            scene.materials.dominant.ward,
+            own_light(generation, scene),
+            np.random.default_rng(0),
+        )
         exposed = scene.radiance.astype(np.float32) * scene.exposure
         by_eq_1 = again.radiance.astype(np.float32) * again.exposure
         bright = exposed.min(axis=1) > 0.02
@@ -89,7 +94,7 @@ def test_the_background_is_the_light_where_it_is(convex):
     cosine = equirectangular_directions(height) @ lamp
     light = np.full((height, 2 * height, 3), 0.1, np.float32)
     light[cosine > 0.8] = (1.0, 0.1, 0.1)
-    again = relit(convex[0], convex[0].truth, light, np.random.default_rng(0))
+    again = relit(convex[0], convex[0].materials.dominant.ward, light, np.random.default_rng(0))
     shown = 0
     for directions, colours in backgrounds(again, np.arange(12)):
         unit = directions / np.linalg.norm(directions, axis=1, keepdims=True)
@@ -105,7 +110,7 @@ def test_natural_light_is_one_environment_as_it_is(convex):
     even = {"even": np.ones((16, 32, 3), np.float32)}
 
     def is_even(share, seed):
-        drawn = drawn_anew(convex[0], even, np.random.default_rng(seed), share)
+        drawn = randomly_relit(convex[0], even, np.random.default_rng(seed), share)
         return all((colours == colours[0]).all() for _, colours in backgrounds(drawn, np.arange(3)))
 
     assert all(is_even(1.0, seed) for seed in range(5))
@@ -116,12 +121,12 @@ def test_natural_light_is_one_environment_as_it_is(convex):
 def test_a_relit_scene_names_its_light(convex, seed):
     """The environments without which it would not look the same."""
     lights = {name: procedural_sky(k, 16) for k, name in enumerate(("dawn", "noon", "dusk"))}
-    drawn = drawn_anew(convex[0], lights, np.random.default_rng(seed), 0.5)
+    drawn = randomly_relit(convex[0], lights, np.random.default_rng(seed), 0.5)
     kind, *natural = drawn.environment.split("+")
     assert kind == "relit"
     for name in lights:
         others = {**lights, name: lights[name][:, ::-1] ** 2}
-        again = drawn_anew(convex[0], others, np.random.default_rng(seed), 0.5)
+        again = randomly_relit(convex[0], others, np.random.default_rng(seed), 0.5)
         assert (name in natural) == (again.radiance != drawn.radiance).any()
 
 
@@ -136,9 +141,9 @@ def test_a_lost_shard_is_made_again_as_it_was(data, tmp_path):
     (tmp_path / "relit" / min(written)).unlink()
     assert relit_set(data, tmp_path / "relit") == written
     scenes = list(load_scenes(tmp_path / "relit", "train"))
-    truths = {scene.truth for scene in scenes}
+    truths = {scene.materials.dominant.ward for scene in scenes}
     assert len(truths) == len(scenes) > 1
-    assert not truths & {scene.truth for scene in load_scenes(data, "train")}
+    assert not truths & {scene.materials.dominant.ward for scene in load_scenes(data, "train")}
 
 
 def test_no_unseen_light_takes_part(data, generation, tmp_path):

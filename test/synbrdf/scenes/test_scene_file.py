@@ -16,6 +16,7 @@ from reflest_core.synbrdf.scenes.scene_file import (
     load_shard,
     shard_bytes,
 )
+from reflest_core.synbrdf.scenes.scene_materials import SceneMaterial, VoxelMaterials
 from reflest_core.synbrdf.scenes.thumbnails import Thumbnails
 from reflest_core.whole_file import write_whole
 
@@ -40,7 +41,10 @@ def far_scene():
     )
     return SynbrdfScene(
         surface=surface,
-        truth=WardParameters((0.5, 0.25, 0.125), 0.0625, 0.25),
+        materials=VoxelMaterials.uniform(
+            SceneMaterial(WardParameters((0.5, 0.25, 0.125), 0.0625, 0.25)),
+            surface.voxel_count,
+        ),
         split="train",
         index=4,
         environment="sunny+dim",
@@ -73,7 +77,7 @@ def test_a_scene_comes_back_as_it_was(make, tmp_path):
         for part in ("surface", "thumbnails"):
             for name, array in vars(getattr(scene, part)).items():
                 np.testing.assert_array_equal(getattr(getattr(loaded, part), name), array)
-        assert loaded.truth == scene.truth
+        assert loaded.materials.materials == scene.materials.materials
         assert loaded.environment == scene.environment
         assert (loaded.thumbnails.depth is None) == (scene.thumbnails.depth is None)
 

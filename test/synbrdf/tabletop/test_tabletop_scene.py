@@ -9,11 +9,11 @@ from scipy.spatial import cKDTree
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.synbrdf.lights.environments import procedural_skies
 from reflest_core.synbrdf.scenes.material_sources import Materials, MaterialSource, NamedMaterial
+from reflest_core.synbrdf.scenes.painted_mesh import joined
 from reflest_core.synbrdf.scenes.splits import Sources
 from reflest_core.synbrdf.shapes.mesh_file import find_meshes
 from reflest_core.synbrdf.tabletop.ground import Setting, draw_ground
 from reflest_core.synbrdf.tabletop.objects import COUNTS, DIAMETERS, SINK, draw_objects
-from reflest_core.synbrdf.tabletop.painted_mesh import joined
 from reflest_core.synbrdf.tabletop.tabletop_scene import (
     TabletopChoices,
     TabletopLight,

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Meshes whose faces have materials of their own."""
+"""Meshes with a material for each face; one material is the case of one."""
 
 from __future__ import annotations
 
@@ -11,39 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.synbrdf.scenes.material_sources import NamedMaterial
-from reflest_core.synbrdf.scenes.voxel_materials import MaterialTruth, VoxelMaterials
+from reflest_core.synbrdf.scenes.scene_materials import OBJECT, SceneMaterial, VoxelMaterials
 from reflest_core.synbrdf.shapes.mesh import TriangleMesh
 
-OBJECT = "object-"
-"""Begins the names of objects among the parts of a scene; others are of the ground."""
 OBJECT_SHARE = 0.6
 """Of the voxels of an observation scene lie on objects: the table's area is many times theirs."""
 
 
 @dataclass(frozen=True)
-class SceneMaterial:
-    """A material of a scene, as its truth names it.
-
-    Attributes:
-        named: Ward values and source; ``rho_d`` is that of most of the surface.
-        part: What it covers, such as ``table`` or ``object-2``.
-        texture: Kind of the pattern in ``rho_d``; ``plain`` without one.
-    """
-
-    named: NamedMaterial
-    part: str
-    texture: str
-
-    def truth(self) -> MaterialTruth:
-        """As files hold it."""
-        named = self.named
-        return MaterialTruth(named.ward, named.source.value, named.name, self.part, self.texture)
-
-
-@dataclass(frozen=True)
 class PaintedMesh:
-    """A mesh of several materials.
+    """A mesh of one or many materials.
 
     Attributes:
         mesh: Triangles, metres.
@@ -53,20 +30,37 @@ class PaintedMesh:
     """
 
     mesh: TriangleMesh
-    materials: list[SceneMaterial]
+    materials: tuple[SceneMaterial, ...]
     material_of_face: NDArray[np.int32]
     rho_d: NDArray[np.float32]
+
+    @classmethod
+    def uniform(cls, mesh: TriangleMesh, material: SceneMaterial) -> PaintedMesh:
+        """All faces of one material.
+
+        Args:
+            mesh: Triangles, metres.
+            material: The material.
+        """
+        count = len(mesh.faces)
+        rho_d = np.tile(np.array(material.ward.rho_d, np.float32), (count, 1))
+        return cls(mesh, (material,), np.zeros(count, np.int32), rho_d)
+
+    @property
+    def is_uniform(self) -> bool:
+        """Whether there is one material."""
+        return len(self.materials) == 1
 
     @property
     def rho_s(self) -> NDArray[np.float32]:
         """(F,) specular strength of each face."""
-        values = [material.named.ward.rho_s for material in self.materials]
+        values = [material.ward.rho_s for material in self.materials]
         return np.array(values, np.float32)[self.material_of_face]
 
     @property
     def alpha(self) -> NDArray[np.float32]:
         """(F,) roughness of each face."""
-        values = [material.named.ward.alpha for material in self.materials]
+        values = [material.ward.alpha for material in self.materials]
         return np.array(values, np.float32)[self.material_of_face]
 
     def at_faces(self, faces: NDArray[np.int64]) -> VoxelMaterials:
@@ -75,13 +69,12 @@ class PaintedMesh:
         Args:
             faces: (V,) index of the face that each lies on.
         """
-        truths = tuple(material.truth() for material in self.materials)
         ids = self.material_of_face[faces].astype(np.uint16)
-        return VoxelMaterials(truths, ids, self.rho_d[faces])
+        return VoxelMaterials(self.materials, ids, self.rho_d[faces], self._dominant_id())
 
     def cards(self) -> list[dict[str, Any]]:
         """What a JSON file says of the materials, by id."""
-        return [material.truth().card() for material in self.materials]
+        return [material.card() for material in self.materials]
 
     def densities(self) -> NDArray[np.float64]:
         """(F,) relative density of points under which objects have :data:`OBJECT_SHARE` of them."""
@@ -91,13 +84,17 @@ class PaintedMesh:
         weights = np.where(on_object, OBJECT_SHARE / objects, (1.0 - OBJECT_SHARE) / ground)
         return np.asarray(weights * (objects + ground))
 
-    def largest(self) -> NamedMaterial:
+    @property
+    def dominant(self) -> SceneMaterial:
         """The material of the largest area."""
+        return self.materials[self._dominant_id()]
+
+    def _dominant_id(self) -> int:
         areas = np.bincount(self.material_of_face, self.mesh.face_areas, len(self.materials))
-        return self.materials[int(areas.argmax())].named
+        return int(areas.argmax())
 
     def shifted(self, offset: NDArray[np.float64]) -> PaintedMesh:
-        """The same at another place; ``offset`` (3,) in metres.
+        """The same at another place.
 
         Args:
             offset: (3,) metres.
@@ -121,7 +118,7 @@ def joined(parts: list[PaintedMesh]) -> PaintedMesh:
     ids = [p.material_of_face + n for p, n in zip(parts, first_id[:-1], strict=True)]
     return PaintedMesh(
         mesh,
-        [material for part in parts for material in part.materials],
+        tuple(material for part in parts for material in part.materials),
         np.concatenate(ids).astype(np.int32),
         np.concatenate([part.rho_d for part in parts]),
     )
