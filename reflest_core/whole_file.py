@@ -1,12 +1,13 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Files that are written whole or not at all, by one writer for the whole package."""
+"""Files and folders that appear only when they are complete, by one writer for the package."""
 
 from __future__ import annotations
 
 import glob
 import os
 import secrets
+import shutil
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -42,7 +43,7 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
         target = Path(os.path.realpath(path))
         before = _status(target)
         _remove_abandoned(target)
-        partial = target.with_name(f".{target.name}.{os.getpid()}.{secrets.token_hex(4)}.partial")
+        partial = _partial(target)
         with partial.open("xb") as file:
             if before is not None:
                 _keep_mode_and_owner(file, before)
@@ -51,9 +52,7 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
             os.fsync(file.fileno())
         partial.replace(target)
     except OSError as error:
-        raise OutputError(
-            f"cannot write {path}: {error.strerror or error}; make room or choose another place"
-        ) from error
+        raise _output_error(path, error) from error
     finally:
         if partial is not None:
             partial.unlink(missing_ok=True)
@@ -73,6 +72,42 @@ def write_whole(path: Path, content: bytes) -> None:
         file.write(content)
 
 
+@contextmanager
+def whole_folder(path: Path) -> Iterator[Path]:
+    """Make a folder that appears at ``path`` when the block ends without an error.
+
+    Args:
+        path: The folder to make; folders above it are made too.
+
+    Yields:
+        A path of the same name to make the folder at.
+
+    Raises:
+        OutputError: Anything in the block cannot be written; nothing is left of it.
+    """
+    workplace = _partial(path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _remove_abandoned(path)
+        workplace.mkdir()
+        yield workplace / path.name
+        (workplace / path.name).replace(path)
+    except OSError as error:
+        raise _output_error(path, error) from error
+    finally:
+        shutil.rmtree(workplace, ignore_errors=True)
+
+
+def _partial(target: Path) -> Path:
+    return target.with_name(f".{target.name}.{os.getpid()}.{secrets.token_hex(4)}.partial")
+
+
+def _output_error(path: Path, error: OSError) -> OutputError:
+    return OutputError(
+        f"cannot write {path}: {error.strerror or error}; make room or choose another place"
+    )
+
+
 def _status(target: Path) -> os.stat_result | None:
     """The status of an existing regular file, None where there is none yet."""
     try:
@@ -87,11 +122,14 @@ def _status(target: Path) -> os.stat_result | None:
 
 
 def _remove_abandoned(target: Path) -> None:
-    """Remove unfinished files of processes that are no more."""
+    """Remove unfinished files and folders of processes that are no more."""
     for partial in target.parent.glob(f".{glob.escape(target.name)}.*.partial"):
         process = partial.name.removeprefix(f".{target.name}.").split(".")[0]
         if process.isdigit() and not _is_running(int(process)):
-            partial.unlink(missing_ok=True)
+            if partial.is_dir():
+                shutil.rmtree(partial, ignore_errors=True)
+            else:
+                partial.unlink(missing_ok=True)
 
 
 def _is_running(process: int) -> bool:

@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +21,7 @@ from reflest_core.synbrdf.sequences.bag_writer import (
     RecordedFrame,
     write_bag,
 )
+from reflest_core.whole_file import whole_folder
 
 START_NS = 1_750_000_000 * 10**9
 
@@ -66,15 +65,10 @@ def recorded(recording: Recording, cache: Path) -> Path:
     bag = cache / name
     if bag.exists():
         return bag
-    workplace = cache / f".{name}.{os.getpid()}.partial"
-    workplace.mkdir(parents=True)
-    try:
-        camera = camera_of(recording.width, recording.height)
-        frames = tqdm(_frames(recording), "rendering", recording.frames, unit="frame", disable=None)
-        write_bag(workplace / name, camera, frames, is_compressed=False)
-        os.replace(workplace / name, bag)
-    finally:
-        shutil.rmtree(workplace)
+    camera = camera_of(recording.width, recording.height)
+    frames = tqdm(_frames(recording), "rendering", recording.frames, unit="frame", disable=None)
+    with whole_folder(bag) as unfinished:
+        write_bag(unfinished, camera, frames, is_compressed=False)
     return bag
 
 

@@ -24,8 +24,8 @@ from reflest_core.inference.transport.patch_grid import (
     patch_image,
     texels_of_patches,
 )
+from reflest_core.inference.transport.reflected_patches import scene_reflection
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
-from reflest_core.inference.transport.scene_reflection import scene_reflection
 from reflest_core.inference.transport.ward_lobe import lobe_radiance
 from reflest_core.light.completion import LightPyramid, complete, levels_below
 from reflest_core.light.cosine_weights import cosine_weights

@@ -6,11 +6,10 @@ from __future__ import annotations
 
 import array
 import math
-import sys
 
 import numpy as np
 from geometry_msgs.msg import Point, Vector3
-from sensor_msgs.msg import Image, PointCloud2, PointField
+from sensor_msgs.msg import Image, PointCloud2
 from visualization_msgs.msg import Marker, MarkerArray
 
 from reflest_core.estimation.estimate import SCHEMA_VERSION, EstimateStatus
@@ -22,6 +21,7 @@ from reflest_ros.inputs.core_messages import ns_to_stamp
 from reflest_ros.msg import Material
 from reflest_ros.msg import MaterialMap as MaterialMapMessage
 from reflest_ros.outputs.estimate_message import estimate_to_message, unknown_message
+from reflest_ros.outputs.point_cloud import packed_colours, point_cloud
 
 POINT = np.dtype(
     [
@@ -37,17 +37,7 @@ POINT = np.dtype(
         ("rgb", np.uint32),
     ]
 )
-"""``rgb`` is 0x00RRGGBB of the material's label, in the bits of a FLOAT32 as displays read it."""
-
-FIELDS = [
-    PointField(
-        name=name,
-        offset=4 * place,
-        datatype=PointField.UINT32 if name == "material_id" else PointField.FLOAT32,
-        count=1,
-    )
-    for place, name in enumerate(POINT.names or ())
-]
+"""A point of ``reflectance/material_cloud``; ``rgb`` is the colour of the material's label."""
 
 TEXT_SHARE = 0.12
 """Height of a marker's text over the extent of its material."""
@@ -153,36 +143,10 @@ def map_to_cloud(materials: MaterialMap) -> PointCloud2:
         points[name] = materials.of_voxels(name)[observed]
     ids = materials.material_ids[observed]
     points["material_id"] = ids
-    for one in np.unique(ids):
-        red, green, blue = material_colour(int(one))
-        points["rgb"][ids == one] = red << 16 | green << 8 | blue
-    return records_to_cloud(points, materials.world_frame_id, materials.stamp_ns)
-
-
-def records_to_cloud(points: np.ndarray, frame_id: str, stamp_ns: int) -> PointCloud2:
-    """Make a cloud of records.
-
-    Args:
-        points: (N,) of the type :data:`POINT`.
-        frame_id: World frame.
-        stamp_ns: Nanoseconds.
-
-    Returns:
-        The message.
-    """
-    message = PointCloud2(
-        height=1,
-        width=len(points),
-        fields=FIELDS,
-        is_bigendian=sys.byteorder == "big",
-        point_step=POINT.itemsize,
-        row_step=POINT.itemsize * len(points),
-        is_dense=False,
-    )
-    message.header.stamp = ns_to_stamp(stamp_ns)
-    message.header.frame_id = frame_id
-    message.data = array.array("B", points.tobytes())
-    return message
+    present, places = np.unique(ids, return_inverse=True)
+    colours = np.array([material_colour(int(one)) for one in present], np.uint8).reshape(-1, 3)
+    points["rgb"] = packed_colours(colours)[places]
+    return point_cloud(points, materials.world_frame_id, materials.stamp_ns, is_dense=False)
 
 
 def map_to_markers(materials: MaterialMap) -> MarkerArray:

@@ -27,8 +27,8 @@ from reflest_ros.outputs.material_message import (
     map_to_cloud,
     map_to_markers,
     map_to_message,
-    records_to_cloud,
 )
+from reflest_ros.outputs.point_cloud import point_cloud
 from reflest_ros.outputs.view_publisher import ViewPublisher
 from reflest_ros.outputs.view_settings import MaterialSettings, read_settings
 
@@ -144,7 +144,7 @@ class MaterialOutput:
         """Replace what was published by an empty map: a new scan begins."""
         self.latest = None
         self._map.publish(empty_map())
-        self._cloud.replace(records_to_cloud(np.zeros(0, POINT), "", 0))
+        self._cloud.replace(point_cloud(np.zeros(0, POINT), "", 0, is_dense=False))
         self._markers.replace(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
 
     def destroy(self) -> None:

@@ -4,13 +4,10 @@
 
 from __future__ import annotations
 
-import array
-import sys
-
 import numpy as np
 from numpy.typing import NDArray
 from rclpy.node import Node
-from sensor_msgs.msg import PointCloud2, PointField
+from sensor_msgs.msg import PointCloud2
 
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.scanner import KeyframeSnapshot
@@ -21,7 +18,7 @@ from reflest_core.rendering.voxel_colours import (
     observed_colours,
     view_count_colours,
 )
-from reflest_ros.inputs.core_messages import ns_to_stamp
+from reflest_ros.outputs.point_cloud import packed_colours, point_cloud
 from reflest_ros.outputs.view_publisher import ViewPublisher
 from reflest_ros.outputs.view_settings import VoxelSettings, read_settings
 
@@ -37,12 +34,7 @@ POINT = np.dtype(
         ("views", np.float32),
     ]
 )
-"""``rgb`` is 0x00RRGGBB in the bits of a FLOAT32, as PCL, RViz and Foxglove read it."""
-
-FIELDS = [
-    PointField(name=name, offset=4 * place, datatype=PointField.FLOAT32, count=1)
-    for place, name in enumerate(POINT.names or ())
-]
+"""A point of ``reflectance/voxels``; ``rgb`` as :data:`.COLOUR` says."""
 
 
 class VoxelCloud:
@@ -105,33 +97,10 @@ def cloud_message(
         points[name] = surface.positions[:, axis]
         points[f"normal_{name}"] = surface.normals[:, axis]
     points["views"] = counts
-    points["rgb"] = _packed(_colours(keyframe, estimate, settings, most_views))
+    points["rgb"] = packed_colours(_colours(keyframe, estimate, settings, most_views))
     if len(points) > settings.max_points:
         points = points[np.linspace(0, len(points) - 1, settings.max_points).astype(np.int64)]
     return point_cloud(points, keyframe.world_frame_id, keyframe.stamp_ns)
-
-
-def point_cloud(points: NDArray[np.void], frame_id: str, stamp_ns: int) -> PointCloud2:
-    """The message of (N,) :data:`POINT` records.
-
-    Args:
-        points: records of the fields to publish.
-        frame_id: of the header.
-        stamp_ns: of the header, nanoseconds.
-    """
-    message = PointCloud2(
-        height=1,
-        width=len(points),
-        fields=FIELDS,
-        is_bigendian=sys.byteorder == "big",
-        point_step=POINT.itemsize,
-        row_step=POINT.itemsize * len(points),
-        is_dense=True,
-    )
-    message.header.stamp = ns_to_stamp(stamp_ns)
-    message.header.frame_id = frame_id
-    message.data = array.array("B", points.tobytes())
-    return message
 
 
 def _colours(
@@ -149,9 +118,3 @@ def _colours(
     if estimate is None or keyframe.T_world_camera is None:
         return np.full((surface.voxel_count, 3), UNKNOWN, np.uint8)
     return estimate_colours(surface, estimate.ward, keyframe.T_world_camera[:3, 3])
-
-
-def _packed(colours: NDArray[np.uint8]) -> NDArray[np.uint32]:
-    red, green, blue = colours.astype(np.uint32).T
-    packed: NDArray[np.uint32] = red << 16 | green << 8 | blue
-    return packed

@@ -1,13 +1,13 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""One writer of files: whole or not at all."""
+"""One writer of files and folders: whole or not at all."""
 
 import os
 import stat
 
 import pytest
 
-from reflest_core.whole_file import OutputError, whole_file, write_whole
+from reflest_core.whole_file import OutputError, whole_file, whole_folder, write_whole
 
 
 def test_new_file_has_its_content_and_the_usual_mode(tmp_path):
@@ -68,3 +68,31 @@ def test_places_that_cannot_hold_a_file_are_refused_in_one_sentence(kind, tmp_pa
         os.mkfifo(path)
     with pytest.raises(OutputError, match=rf"cannot write {path}: .*; make room or choose"):
         write_whole(path, b"content")
+
+
+def unfinished_folder(path):
+    with whole_folder(path) as unfinished:
+        unfinished.mkdir()
+        (unfinished / "one").write_bytes(b"new")
+        assert not path.exists()
+        raise InterruptedError("interrupted")
+
+
+def test_a_folder_appears_complete_or_not_at_all(tmp_path):
+    folder = tmp_path / "above" / "a"
+    with pytest.raises(OutputError, match=r"cannot write .*a: interrupted"):
+        unfinished_folder(folder)
+    assert os.listdir(folder.parent) == []
+    with whole_folder(folder) as unfinished:
+        assert unfinished.name == "a"
+        unfinished.mkdir()
+        (unfinished / "one").write_bytes(b"new")
+    assert os.listdir(folder.parent) == ["a"]
+    assert (folder / "one").read_bytes() == b"new"
+
+
+def test_a_folder_that_a_killed_process_left_is_removed(tmp_path):
+    (tmp_path / f".a.{2**22 + 1}.0a1b2c3d.partial" / "a").mkdir(parents=True)
+    with whole_folder(tmp_path / "a") as unfinished:
+        unfinished.mkdir()
+    assert os.listdir(tmp_path) == ["a"]

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from geometry_msgs.msg import Point
 from rcl_interfaces.msg import ParameterType, ParameterValue
-from sensor_msgs.msg import Image, PointCloud2
+from sensor_msgs.msg import Image, PointCloud2, PointField
 from sphere_scene import CENTRE, HEIGHT, WIDTH
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
 from reflest_ros.msg import BrdfEstimate, MaterialMap
-from reflest_ros.outputs.material_message import FIELDS, POINT
+from reflest_ros.outputs.material_message import POINT
 from reflest_ros.srv import Estimate, MaterialAt
 
 
@@ -56,7 +56,8 @@ def test_materials_come_in_falling_order_of_area_with_their_estimates(shown):
 
 def test_the_cloud_holds_every_observed_voxel_with_its_material(shown):
     cloud, found = shown["material_cloud"][-1], shown["materials"][-1]
-    assert [field.name for field in cloud.fields] == [field.name for field in FIELDS]
+    assert [field.name for field in cloud.fields] == list(POINT.names)
+    assert [f.name for f in cloud.fields if f.datatype == PointField.UINT32] == ["material_id"]
     points = np.frombuffer(bytes(cloud.data), POINT)
     assert len(points) == cloud.width > 100
     known = points[points["material_id"] > 0]

@@ -14,9 +14,10 @@ from reflest_core.fusion.settings import RegionSettings
 from reflest_ros.demo.pictures import preview_picture
 from reflest_ros.demo.view_scene import Viewpoint, draw_cloud, draw_markers, prepare
 from reflest_ros.outputs.markers import marker_message
+from reflest_ros.outputs.point_cloud import point_cloud
 from reflest_ros.outputs.preview import preview_message
 from reflest_ros.outputs.view_settings import MarkerSettings
-from reflest_ros.outputs.voxel_cloud import POINT, point_cloud
+from reflest_ros.outputs.voxel_cloud import POINT
 
 AHEAD = Viewpoint(np.array([0.0, -2.0, 0.0]), np.zeros(3), 1.0)
 

@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     Args:
         arguments: all options of the command.
     """
-    from reflest_core.synbrdf.generation.whole_folder import FolderUnwritable
+    from reflest_core.whole_file import OutputError
 
     try:
         arguments.out.mkdir(parents=True, exist_ok=True)
@@ -56,8 +56,8 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.full_images is not None:
             _write_image_strip(arguments)
     except OSError as error:
-        raise FolderUnwritable(
-            f"{arguments.out} cannot be written ({error.strerror}): choose another --out"
+        raise OutputError(
+            f"cannot write {arguments.out}: {error.strerror}; choose another --out"
         ) from error
     return 0
 

@@ -26,7 +26,7 @@ def reflection(
     directions: NDArray[np.float32],
     sight: Sight | None = None,
 ) -> PatchResponse:
-    """Compute how glossy observations respond to each part of the light.
+    """Compute how glossy observations respond to each part of the light, at ``rho_s = 1``.
 
     Args:
         filled: the light, filled smoothly.
@@ -39,6 +39,7 @@ def reflection(
     sight = sight or Sight.open(len(normals))
     level = filled.levels[LEVELS[roughness]]
     excess = halved_to(filled.excess, len(level))
+    own = sight.own if sight.is_coloured else np.broadcast_to(sight.own, (1, PATCHES, 3))
     return PatchResponse(
         _gather(
             level.reshape(-1, 5),
@@ -48,10 +49,33 @@ def reflection(
             kernel_array(normals, np.float32),
             kernel_array(directions, np.float32),
             kernel_array(sight.visible, np.float32),
-            kernel_array(sight.own, np.float32),
-            PATCHES,
+            kernel_array(own, np.float32),
         )
     )
+
+
+def scene_reflection(
+    filled: LightPyramid,
+    roughness_of: NDArray[np.int64],
+    normals: NDArray[np.float32],
+    directions: NDArray[np.float32],
+    sight: Sight,
+) -> PatchResponse:
+    """Compute the same of observations that have a roughness each.
+
+    Args:
+        filled: the light, filled smoothly.
+        roughness_of: (O,) index into :data:`.ROUGHNESSES` of each observation.
+        normals: (O, 3) unit.
+        directions: (O, 3) unit, towards the camera.
+        sight: of the O observations.
+    """
+    answers = np.zeros((3, len(normals), 1 + 2 * PATCHES), np.float32)
+    for roughness in np.unique(roughness_of):
+        rows = np.flatnonzero(roughness_of == roughness)
+        part = reflection(filled, int(roughness), normals[rows], directions[rows], sight.of(rows))
+        answers[:, rows] = part.answers
+    return PatchResponse(answers)
 
 
 @compiled
@@ -64,14 +88,15 @@ def _gather(
     directions: NDArray[np.float32],
     visible: NDArray[np.float32],
     own: NDArray[np.float32],
-    patches: int,
 ) -> NDArray[np.float32]:
-    size, samples = int(math.sqrt(len(light))), half_vectors.shape[1]
+    """Sum the samples of each lobe; ``own`` (1 or O, P, 3): of all observations or of each."""
+    size, samples, patches = int(math.sqrt(len(light))), half_vectors.shape[1], visible.shape[1]
     answers = np.zeros((3, len(normals), 1 + 2 * patches), np.float32)
     weights, texels = np.empty(samples, np.float64), np.empty(samples, np.int32)
     for observation in range(len(normals)):
         frame = tangent_frame(normals[observation])
         n, o = vector(normals, observation), vector(directions, observation)
+        hiding = observation if len(own) > 1 else 0
         mirrored_texels(frame, n, o, half_vectors, size, weights, texels)
         for sample in range(samples):
             texel = texels[sample]
@@ -83,7 +108,7 @@ def _gather(
                 radiance = light[texel, channel]
                 answer = answers[channel, observation]
                 answer[0] += (arriving - unknown) * radiance
-                answer[0] += (share - arriving) * own[channel]
+                answer[0] += (share - arriving) * own[hiding, patch, channel]
                 answer[1 + patch] += unknown * radiance
                 answer[1 + patches + patch] += arriving * beyond_white[texel, channel]
     return answers

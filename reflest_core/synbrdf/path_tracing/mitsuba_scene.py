@@ -68,12 +68,12 @@ class RadianceTracer:
     """Path-traces single rays, in wavefronts of one size so that a kernel compiles only once."""
 
     def __init__(self, samples: int, lanes: int = 1 << 21, depth: int = PATH_DEPTH) -> None:
-        """``samples`` a ray; ``lanes`` paths at once; ``depth`` as Mitsuba's ``max_depth``.
+        """Prepare the integrator.
 
         Args:
-            samples: paths of a pixel or an observation.
-            lanes: rays of a wavefront.
-            depth: bounces of a path at most.
+            samples: paths of each ray.
+            lanes: paths of a wavefront.
+            depth: Mitsuba's ``max_depth``.
         """
         self.samples = samples
         self.rays_at_once = lanes // samples
@@ -86,13 +86,16 @@ class RadianceTracer:
         directions: NDArray[np.float32],
         seed: int,
     ) -> NDArray[np.float32]:
-        """Radiance (R, 3) arriving at ``origins`` (R, 3) against unit ``directions`` (R, 3).
+        """Trace rays.
 
         Args:
-            scene: the scene.
-            origins: (N, 3) metres.
-            directions: (N, 3) unit, world frame.
+            scene: the Mitsuba scene.
+            origins: (R, 3) metres, world frame.
+            directions: (R, 3) unit.
             seed: of the random numbers.
+
+        Returns:
+            (R, 3) linear radiance that arrives at the origins from the directions.
         """
         parts = [
             self._trace_some(scene, origins[first:last], directions[first:last], seed + first)
@@ -137,20 +140,23 @@ def _gather(points: NDArray[np.float32], index: Any) -> Any:
     return mi.Point3f(*(dr.gather(mi.Float, table, index * 3 + k) for k in range(3)))
 
 
+def _rays(origins: NDArray[np.float32], directions: NDArray[np.float32]) -> Any:
+    return mi.Ray3f(
+        mi.Point3f(np.ascontiguousarray(origins.T)), mi.Vector3f(np.ascontiguousarray(directions.T))
+    )
+
+
 def first_hits(
     scene: Any, origins: NDArray[np.float32], directions: NDArray[np.float32]
 ) -> NDArray[np.float32]:
     """Distance (R,) in metres to the first surface along each ray; infinity where there is none.
 
     Args:
-        scene: the scene.
-        origins: (N, 3) metres.
-        directions: (N, 3) unit, world frame.
+        scene: the Mitsuba scene.
+        origins: (R, 3) metres, world frame.
+        directions: (R, 3) unit.
     """
-    ray = mi.Ray3f(
-        mi.Point3f(np.ascontiguousarray(origins.T)), mi.Vector3f(np.ascontiguousarray(directions.T))
-    )
-    hit = scene.ray_intersect_preliminary(ray)
+    hit = scene.ray_intersect_preliminary(_rays(origins, directions))
     distance = np.array(hit.t, dtype=np.float32)
     return np.where(np.array(hit.is_valid()), distance, np.float32(math.inf))
 
@@ -161,14 +167,11 @@ def first_shapes(
     """Name (R,) of the first shape along each ray; empty where there is none.
 
     Args:
-        scene: the scene.
-        origins: (N, 3) metres.
-        directions: (N, 3) unit, world frame.
+        scene: the Mitsuba scene.
+        origins: (R, 3) metres, world frame.
+        directions: (R, 3) unit.
     """
-    ray = mi.Ray3f(
-        mi.Point3f(np.ascontiguousarray(origins.T)), mi.Vector3f(np.ascontiguousarray(directions.T))
-    )
-    hit = scene.ray_intersect_preliminary(ray)
+    hit = scene.ray_intersect_preliminary(_rays(origins, directions))
     numbers = np.array(dr.reinterpret_array(mi.UInt32, hit.shape))
     numbers[~np.array(hit.is_valid())] = 0
     shapes = scene.shapes()
@@ -192,10 +195,7 @@ def first_faces(
         Distance (R,) in metres, infinite where nothing is hit; index (R,) of the face, within its
         mesh; and whether the mesh is the object's (R,).
     """
-    ray = mi.Ray3f(
-        mi.Point3f(np.ascontiguousarray(origins.T)), mi.Vector3f(np.ascontiguousarray(directions.T))
-    )
-    hit = scene.ray_intersect_preliminary(ray)
+    hit = scene.ray_intersect_preliminary(_rays(origins, directions))
     is_hit = np.array(hit.is_valid())
     distance = np.where(is_hit, np.array(hit.t, dtype=np.float32), np.float32(math.inf))
     faces = np.where(is_hit, np.array(hit.prim_index), 0).astype(np.int64)
@@ -208,13 +208,10 @@ def first_normals(
     """Unit shading normals (R, 3), world frame, where each ray first hits; 0 where it does not.
 
     Args:
-        scene: the scene.
-        origins: (N, 3) metres.
-        directions: (N, 3) unit, world frame.
+        scene: the Mitsuba scene.
+        origins: (R, 3) metres, world frame.
+        directions: (R, 3) unit.
     """
-    ray = mi.Ray3f(
-        mi.Point3f(np.ascontiguousarray(origins.T)), mi.Vector3f(np.ascontiguousarray(directions.T))
-    )
-    hit = scene.ray_intersect(ray)
+    hit = scene.ray_intersect(_rays(origins, directions))
     normal = dr.select(hit.is_valid(), dr.normalize(hit.sh_frame.n), mi.Normal3f(0.0))
     return np.ascontiguousarray(np.array(normal, dtype=np.float32).T)

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.errors import ReflestError
-from reflest_core.synbrdf.generation.whole_folder import whole_folder
 from reflest_core.synbrdf.path_tracing.image_files import write_exr
 from reflest_core.synbrdf.path_tracing.mitsuba_scene import (
     ENVIRONMENT_TURNS,
@@ -27,6 +26,7 @@ from reflest_core.synbrdf.path_tracing.mitsuba_scene import (
 )
 from reflest_core.synbrdf.path_tracing.ward_bsdf import PLUGIN, ward_bsdf
 from reflest_core.synbrdf.scenes.scene import Scene
+from reflest_core.whole_file import whole_folder
 
 VERSION = "3.0.0"
 SCENE, MESH, ENVIRONMENT = "scene.xml", "mesh.ply", "environment.exr"

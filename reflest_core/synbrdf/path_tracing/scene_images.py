@@ -18,7 +18,6 @@ from tqdm import tqdm
 from reflest_core.brdf.gloss import to_labcd
 from reflest_core.errors import ReflestError
 from reflest_core.synbrdf.generation.data_set import Generation, Product
-from reflest_core.synbrdf.generation.whole_folder import whole_folder
 from reflest_core.synbrdf.path_tracing.full_image import FullImage, FullImageRenderer
 from reflest_core.synbrdf.path_tracing.image_files import (
     write_depth,
@@ -37,6 +36,7 @@ from reflest_core.synbrdf.scenes.scene import Scene
 from reflest_core.synbrdf.scenes.seeding import Purpose, generator
 from reflest_core.synbrdf.scenes.splits import Split
 from reflest_core.synbrdf.scenes.views import depth_camera
+from reflest_core.whole_file import whole_folder
 
 INTRINSICS = "camera-intrinsics.txt"
 SCENE = "scene.json"

@@ -11,7 +11,6 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from reflest_core.synbrdf.generation.whole_folder import whole_folder
 from reflest_core.synbrdf.path_tracing.mitsuba_scene import mitsuba_scene
 from reflest_core.synbrdf.path_tracing.ward_bsdf import ward_bsdf
 from reflest_core.synbrdf.sequences.bag_writer import write_bag
@@ -22,6 +21,7 @@ from reflest_core.synbrdf.sequences.sequence_scene import (
     draw_sequence_scene,
 )
 from reflest_core.synbrdf.sequences.sequence_truth import write_truth
+from reflest_core.whole_file import whole_folder
 
 
 def write_sequence(out: Path, request: SequenceRequest, command: str) -> None:

@@ -15,7 +15,6 @@ from tqdm import tqdm
 
 from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.synbrdf.generation.data_set import SKIES
-from reflest_core.synbrdf.generation.whole_folder import whole_folder
 from reflest_core.synbrdf.lights.environments import find_environments, procedural_skies
 from reflest_core.synbrdf.path_tracing.mitsuba_scene import TABLETOP_DEPTH, mitsuba_scene
 from reflest_core.synbrdf.path_tracing.sight import in_image, visible_pairs
@@ -35,6 +34,7 @@ from reflest_core.synbrdf.tabletop.tabletop_scene import (
     draw_tabletop,
 )
 from reflest_core.synbrdf.tabletop.truth import material_cards, truth_points, write_truth
+from reflest_core.whole_file import whole_folder
 
 TRUTH_POINTS = 200_000
 _STREAM = 0x7AB1

@@ -17,7 +17,6 @@ from reflest_core.brdf.parameters import WardParameters
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.cli.main import main
 from reflest_core.light.equirectangular import radiance_from
-from reflest_core.synbrdf.generation.whole_folder import FolderUnwritable
 from reflest_core.synbrdf.lights.environments import find_environments, load_environment, rotated
 from reflest_core.synbrdf.scenes.exposure import expose
 from reflest_core.synbrdf.scenes.material_sources import Materials, MaterialSource
@@ -28,6 +27,7 @@ from reflest_core.synbrdf.sequences.sequence_scene import (
     SequenceRequest,
     draw_sequence_scene,
 )
+from reflest_core.whole_file import OutputError
 from test.synbrdf.lights.test_environments import gradient
 from test.synbrdf.spheres import icosphere, write_obj
 
@@ -253,7 +253,7 @@ def test_a_failed_run_leaves_nothing(sources, tmp_path, monkeypatch):
 
     monkeypatch.setattr(sequence, "write_truth", full_disk)
     request = SequenceRequest(seed=7, frames=2, width=16, height=16, samples=4)
-    with pytest.raises(FolderUnwritable, match=r"ball cannot be written \(no space left\)"):
+    with pytest.raises(OutputError, match=r"cannot write .*ball: no space left"):
         sequence.write_sequence(tmp_path / "ball", request, "")
     assert list(tmp_path.iterdir()) == []
 

@@ -7,8 +7,8 @@ import pytest
 
 from reflest_core.inference.transport.irradiance import mean_radiance
 from reflest_core.inference.transport.patch_grid import PATCHES
+from reflest_core.inference.transport.reflected_patches import scene_reflection
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
-from reflest_core.inference.transport.scene_reflection import scene_reflection
 from reflest_core.inference.transport.surface_irradiance import SurfaceSight, surface_irradiance
 from reflest_core.inference.transport.visibility import Sight
 from reflest_core.inference.transport.ward_lobe import ROUGHNESSES, lobe_radiance
