@@ -15,7 +15,7 @@ from rclpy.node import Node
 
 from reflest_core.capture.assembler import FrameAssembler
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.estimation.warm_up import warm_up
 from reflest_core.fusion.keyframe import KeyframePolicy
@@ -86,7 +86,7 @@ class ScanSession:
         files = FileAccess(node_settings.files, node.get_name())
         self.inputs = Inputs(node, node_settings, settings.capture)
         with contextlib.ExitStack() as on_failure:
-            self.scanner = Scanner(settings)
+            self.scanner = Pipeline(settings)
             warm_up(self.scanner.estimator)
             self.autosave = Autosave(node, node_settings.autosave, self.scanner)
             on_failure.callback(self.autosave.unlock)

@@ -11,7 +11,7 @@ from typing import Generic, TypeVar
 
 from rclpy.node import Node
 
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_ros.workers.fusion_counts import FusionCounts
 
 Key = TypeVar("Key", bound=Hashable)
@@ -78,7 +78,7 @@ class RecentCounts(Generic[Key]):
 class ScanWarnings:
     """Warns of what goes wrong slowly: a store that fills up, an exposure that changes."""
 
-    def __init__(self, node: Node, scanner: Scanner) -> None:
+    def __init__(self, node: Node, scanner: Pipeline) -> None:
         """Begin to watch a scan.
 
         Args:

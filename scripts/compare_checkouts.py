@@ -54,22 +54,25 @@ print(json.dumps(found))
 TIMED = """
 import json, sys, time
 from reflest_core.capture.open_capture import open_capture
-from reflest_core.estimation.scanner import Scanner
+try:
+    from reflest_core.estimation.pipeline import Pipeline
+except ImportError:  # before it was named so
+    from reflest_core.estimation.scanner import Scanner as Pipeline
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.fusion.settings import RegionSettings
 region = RegionSettings("sphere", (0.0, 0.0, 0.0), (0.6, 0.6, 0.6))
 settings = ReflestSettings(estimation=EstimationSettings(model=sys.argv[2]), region=region)
 frames = list(open_capture(sys.argv[1]))
 for warm in (True, False):
-    scanner = Scanner(settings)
+    pipeline = Pipeline(settings)
     start = time.process_time()
     for frame in frames:
-        scanner.fuse(frame)
+        pipeline.fuse(frame)
     fused = (time.process_time() - start) / len(frames)
-    snapshot = scanner.snapshot()
+    snapshot = pipeline.snapshot()
     start = time.process_time()
     for _ in range(1 if warm else 8):
-        scanner.estimate(snapshot)
+        pipeline.estimate(snapshot)
     estimated = (time.process_time() - start) / (1 if warm else 8)
 print(json.dumps([fused, estimated]))
 """

@@ -9,7 +9,7 @@ from typing import Any
 
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.capture.refusal import FrameRefused
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.export.exporter import EVERY_VOXEL, FORMATS
 from reflest_core.export.scan_asset import AssetSettings, scan_asset
@@ -28,28 +28,28 @@ def measure(capture: str, frames: int, exports: int) -> dict[str, Any]:
     Returns:
         ``median_ms`` of an export, and the sizes of scan and file.
     """
-    scanner = Scanner(ReflestSettings())
+    pipeline = Pipeline(ReflestSettings())
     fused = 0
     for frame in open_capture(capture):
         try:
-            scanner.fuse(frame)
+            pipeline.fuse(frame)
         except FrameRefused:
             continue
         fused += 1
         if fused == frames:
             break
-    found = scanner.materials(scanner.snapshot(EVERY_VOXEL))
+    found = pipeline.materials(pipeline.snapshot(EVERY_VOXEL))
     times, size, faces = [], 0, 0
     for _ in range(exports + 1):
         started = time.perf_counter()
-        asset = scan_asset(scanner.scan, found, "scene", AssetSettings())
+        asset = scan_asset(pipeline.scan, found, "scene", AssetSettings())
         (content,) = FORMATS["glb"].files(asset, "scene.glb").values()
         times.append(1e3 * (time.perf_counter() - started))
         size, faces = len(content), len(asset.mesh.faces)
     timed = sorted(times[1:])
     return {
         "median_ms": timed[len(timed) // 2],
-        "voxels": scanner.scan.voxel_count,
+        "voxels": pipeline.scan.voxel_count,
         "materials": len(found.materials),
         "faces": faces,
         "bytes": size,

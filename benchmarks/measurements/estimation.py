@@ -28,7 +28,7 @@ from benchmarks.measuring.timing import Timing
 from benchmarks.scene.table_scene import table_settings
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.estimation.estimator import Estimator
-from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
+from reflest_core.estimation.pipeline import KeyframeSnapshot, Pipeline
 from reflest_core.models.registry import models, network_of_model, shipped_models
 from reflest_core.models.weights import load_weights
 from reflest_core.surface.voxel_choice import choose_voxels
@@ -50,16 +50,16 @@ def measure(
         is_compiled: Also compare with ``torch.compile``, which takes minutes.
     """
     settings = table_settings()
-    scanner = Scanner(settings)
+    pipeline = Pipeline(settings)
     for frame in itertools.islice(open_capture(Path(capture)), frames):
-        scanner.fuse(frame)
-    snapshot = scanner.snapshot()
+        pipeline.fuse(frame)
+    snapshot = pipeline.snapshot()
     models = {}
     for model in shipped_models():
-        scanner.estimator = Estimator(
+        pipeline.estimator = Estimator(
             dataclasses.replace(settings.estimation, model=model, threads=threads)
         )
-        kinds = {SHIPPED_KIND: _shipped(scanner, estimates)}
+        kinds = {SHIPPED_KIND: _shipped(pipeline, estimates)}
         kinds |= _peers(model, snapshot, estimates, is_compiled)
         models[model] = {
             kind: [dataclasses.asdict(one) for one in timings] for kind, timings in kinds.items()
@@ -67,7 +67,7 @@ def measure(
     return {"models": models, "voxels": snapshot.surface.voxel_count, "peak_mb": peak_mb()}
 
 
-def _shipped(scanner: Scanner, count: int) -> list[Timing]:
+def _shipped(pipeline: Pipeline, count: int) -> list[Timing]:
     """The path of the node, stage by stage."""
     clock = StageClock(ESTIMATION_STAGES)
     for number in range(WARM_UP + count):
@@ -75,13 +75,13 @@ def _shipped(scanner: Scanner, count: int) -> list[Timing]:
             clock.seconds.clear()
         with clock.watching(), clock.timing(FROM_STORE):
             with clock.timing(SNAPSHOT):
-                snapshot = scanner.snapshot()
+                snapshot = pipeline.snapshot()
             with clock.timing(ESTIMATE):
-                scanner.estimate(snapshot)
+                pipeline.estimate(snapshot)
         clock.lap()
     forget_peak()
     before = resident_mb()
-    scanner.estimate(snapshot)
+    pipeline.estimate(snapshot)
     return clock.timings({ESTIMATE: max(peak_mb() - before, 0.0)})
 
 

@@ -27,7 +27,7 @@ from benchmarks.measuring.resident_memory import peak_mb
 from benchmarks.measuring.stage_clock import StageClock
 from benchmarks.scene.table_scene import table_settings
 from reflest_core.capture.open_capture import open_capture
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.estimation.warm_up import warm_up
 from reflest_core.fusion.fused_frame import FusedFrame
@@ -55,7 +55,7 @@ def measure(
         estimation=dataclasses.replace(settings.estimation, threads=threads),
     )
     clock = StageClock(STAGES)
-    scanner, fuse_ms = _scanned(Path(capture), frames, settings, clock)
+    pipeline, fuse_ms = _scanned(Path(capture), frames, settings, clock)
     peak = peak_mb()
     with_memory = StageClock(STAGES, with_memory=True)
     _scanned(Path(capture), memory_frames, settings, with_memory)
@@ -64,25 +64,25 @@ def measure(
         "fuse_ms": fuse_ms,
         "frames": len(clock.seconds[FRAME]),
         "frames_redundant": len(clock.seconds.get(FUSE_REDUNDANT, [])),
-        "voxels": scanner.scan.voxel_count,
-        "observations": scanner.scan.observation_count,
-        "views": scanner.scan.view_count,
+        "voxels": pipeline.scan.voxel_count,
+        "observations": pipeline.scan.observation_count,
+        "views": pipeline.scan.view_count,
         "peak_mb": peak,
     }
 
 
 def _scanned(
     path: Path, count: int, settings: ReflestSettings, clock: StageClock
-) -> tuple[Scanner, dict[str, float]]:
+) -> tuple[Pipeline, dict[str, float]]:
     """The scan, and the milliseconds of each frame of the whole path, by image stamp."""
-    scanner = Scanner(settings)
-    warm_up(scanner.estimator)
+    pipeline = Pipeline(settings)
+    warm_up(pipeline.estimator)
     fuse_ms = {}
     with publishing() as publish, clock.watching():
         for frame in itertools.islice(open_capture(path, settings=settings.capture), count):
             started = time.perf_counter()
             with clock.timing(FUSE):
-                scanned = scanner.fuse(frame)
+                scanned = pipeline.fuse(frame)
             milliseconds = 1000.0 * (time.perf_counter() - started)
             lap = clock.lap()
             kind = _kind(scanned.fused)
@@ -92,11 +92,11 @@ def _scanned(
             clock.seconds[FRAME].append(lap[ASSEMBLE] + lap[FUSE])
             if scanned.keyframe is not None:
                 with clock.timing(ESTIMATE):
-                    estimate = scanner.estimate(scanned.keyframe)
+                    estimate = pipeline.estimate(scanned.keyframe)
                 with clock.timing(PUBLISH):
                     publish(estimate)
                 clock.lap()
-    return scanner, fuse_ms
+    return pipeline, fuse_ms
 
 
 def _kind(fused: FusedFrame) -> str:

@@ -16,7 +16,7 @@ from benchmarks.scene.recording import Recording, rendered_frames
 from benchmarks.scene.table_scene import REGION
 from reflest_core.capture.frame import Frame
 from reflest_core.estimation.estimator import Estimator
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.estimation.warm_up import warm_up
 from reflest_core.fusion.settings import FusionSettings
@@ -49,61 +49,63 @@ def _floor(voxels: int, voxel_size: float, estimates: int) -> dict[str, Any]:
     """After the scan, frames that see the same small part of it each time are timed."""
     edge = voxel_size * voxels**0.5
     budget_mb = max(FusionSettings().memory_budget_mb, BUDGET_BYTES_PER_VOXEL * voxels / 1e6)
-    scanner = Scanner(
+    pipeline = Pipeline(
         ReflestSettings(
             region=floor_region(edge),
             fusion=FusionSettings(voxel_size=voxel_size, memory_budget_mb=budget_mb),
         )
     )
-    warm_up(scanner.estimator)
+    warm_up(pipeline.estimator)
     before = resident_mb()
     for frame in overview_frames(edge):
-        scanner.fuse(frame)
-    fuse = [_seconds_to_fuse(scanner, frame) for frame in small_frames(LAST_FRAMES)]
-    return {"wanted_voxels": voxels, **_cost(scanner, fuse, before, estimates)}
+        pipeline.fuse(frame)
+    fuse = [_seconds_to_fuse(pipeline, frame) for frame in small_frames(LAST_FRAMES)]
+    return {"wanted_voxels": voxels, **_cost(pipeline, fuse, before, estimates)}
 
 
 def _table(view_counts: list[int], estimates: int) -> list[dict[str, Any]]:
     """Every frame adds a view."""
-    scanner = Scanner(ReflestSettings(region=REGION, fusion=FusionSettings(view_spacing=0.0)))
-    warm_up(scanner.estimator)
+    pipeline = Pipeline(ReflestSettings(region=REGION, fusion=FusionSettings(view_spacing=0.0)))
+    warm_up(pipeline.estimator)
     before = resident_mb()
     costs, fuse = [], []
     for number, frame in enumerate(rendered_frames(Recording(320, 240, max(view_counts), 6.0)), 1):
-        fuse.append(_seconds_to_fuse(scanner, frame))
+        fuse.append(_seconds_to_fuse(pipeline, frame))
         if number in view_counts:
-            costs.append(_cost(scanner, fuse[-LAST_FRAMES:], before, estimates))
+            costs.append(_cost(pipeline, fuse[-LAST_FRAMES:], before, estimates))
     return costs
 
 
-def _seconds_to_fuse(scanner: Scanner, frame: Frame) -> float:
+def _seconds_to_fuse(pipeline: Pipeline, frame: Frame) -> float:
     started = time.perf_counter()
-    scanner.scan.fuse(frame)
+    pipeline.scan.fuse(frame)
     return time.perf_counter() - started
 
 
-def _cost(scanner: Scanner, fuse: list[float], before_mb: float, estimates: int) -> dict[str, Any]:
+def _cost(
+    pipeline: Pipeline, fuse: list[float], before_mb: float, estimates: int
+) -> dict[str, Any]:
     """``added_mb``: resident memory beyond that of the empty scan, ``before_mb``."""
     added_mb = max(resident_mb() - before_mb, 0.0)
-    snapshot = scanner.snapshot()
+    snapshot = pipeline.snapshot()
     seconds: dict[str, list[float]] = {SNAPSHOT: []}
     for model in shipped_models():
-        scanner.estimator = Estimator(EstimationSettings(model=model))
-        scanner.estimate(snapshot)
+        pipeline.estimator = Estimator(EstimationSettings(model=model))
+        pipeline.estimate(snapshot)
         name = f"{ESTIMATE}, {model}"
         seconds[name] = []
         for _ in range(estimates):
             started = time.perf_counter()
-            snapshot = scanner.snapshot()
+            snapshot = pipeline.snapshot()
             copied = time.perf_counter()
-            scanner.estimate(snapshot)
+            pipeline.estimate(snapshot)
             seconds[SNAPSHOT].append(copied - started)
             seconds[name].append(time.perf_counter() - copied)
     timings = [Timing.of(FUSE, fuse), *(Timing.of(name, some) for name, some in seconds.items())]
     return {
-        "voxels": scanner.scan.voxel_count,
-        "observations": scanner.scan.observation_count,
-        "views": scanner.scan.view_count,
+        "voxels": pipeline.scan.voxel_count,
+        "observations": pipeline.scan.observation_count,
+        "views": pipeline.scan.view_count,
         "added_mb": added_mb,
         "timings": [dataclasses.asdict(one) for one in timings],
     }

@@ -69,7 +69,7 @@ FUSION_STAGES = (
             "reflest_core.light.light_map:LightMap.add_frame",
         ),
     ),
-    Stage(SNAPSHOT, ("reflest_core.estimation.scanner:Scanner.snapshot",)),
+    Stage(SNAPSHOT, ("reflest_core.estimation.pipeline:Pipeline.snapshot",)),
 )
 ESTIMATION_STAGES = (
     Stage("voxel choice", ("reflest_core.models.predictor:choose_voxels",)),

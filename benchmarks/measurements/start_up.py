@@ -47,33 +47,33 @@ def _first_estimate(capture: Path, started: float) -> dict[str, float]:
 
     from benchmarks.scene.table_scene import table_settings
     from reflest_core.capture.open_capture import open_capture
-    from reflest_core.estimation.scanner import Scanner
+    from reflest_core.estimation.pipeline import Pipeline
     from reflest_core.estimation.warm_up import warm_up
 
     phases["import"] = time.time() - began
     began = time.time()
-    scanner = Scanner(table_settings())
+    pipeline = Pipeline(table_settings())
     phases["load weights, reserve memory"] = time.time() - began
     began = time.time()
-    warm_up(scanner.estimator)
+    warm_up(pipeline.estimator)
     phases["warm up"] = time.time() - began
     began = time.time()
     frames = iter(open_capture(capture))
     first = next(frames)
     phases["open the bag, first image"] = time.time() - began
     began = time.time()
-    scanner.fuse(first)
+    pipeline.fuse(first)
     phases["first frame"] = time.time() - began
     began = time.time()
-    scanner.estimate(scanner.snapshot())
+    pipeline.estimate(pipeline.snapshot())
     phases["first estimate"] = time.time() - began
     phases["process start to first estimate"] = time.time() - started
     slowest = 0.0
     for _, frame in zip(range(LATER_FRAMES), frames, strict=False):
         began = time.time()
-        scanned = scanner.fuse(frame)
+        scanned = pipeline.fuse(frame)
         if scanned.keyframe is not None:
-            scanner.estimate(scanned.keyframe)
+            pipeline.estimate(scanned.keyframe)
         slowest = max(slowest, time.time() - began)
     phases["slowest of the next frames, estimate included"] = slowest
     return phases

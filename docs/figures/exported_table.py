@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from reflest_core.brdf import srgb
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.open_capture import open_capture
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.evaluation.pictures.image_distance import image_distance
 from reflest_core.export.exporter import EVERY_VOXEL, export_scan
@@ -34,13 +34,13 @@ def main() -> None:
     """Scan, export, render, draw."""
     bag, out = sys.argv[1:]
     frames = list(open_capture(bag))
-    scanner = Scanner(ReflestSettings())
+    pipeline = Pipeline(ReflestSettings())
     for frame in frames:
-        scanner.fuse(frame)
-    found = scanner.materials(scanner.snapshot(EVERY_VOXEL))
+        pipeline.fuse(frame)
+    found = pipeline.materials(pipeline.snapshot(EVERY_VOXEL))
     with tempfile.TemporaryDirectory() as folder:
         scene = Path(folder) / "table.xml"
-        export_scan(scanner.scan, found, scene, "mitsuba-stock")
+        export_scan(pipeline.scan, found, scene, "mitsuba-stock")
         rendered = _rendered(scene, frames[0])
     photograph = cv2.resize(frames[0].rgb, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA)
     cv2.imwrite(out, np.concatenate([photograph, rendered], axis=1)[..., ::-1])

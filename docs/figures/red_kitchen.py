@@ -20,7 +20,7 @@ from reflest_core.capture.refusal import FrameRefused
 from reflest_core.environment.completed_light import completed_light
 from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 from reflest_core.estimation.estimator import Estimator
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.inference.transport.irradiance import mean_radiance
@@ -73,18 +73,18 @@ THINGS = (
 def scan(folder: Path, region: RegionSettings) -> Scanned:
     """Replay the capture as ``reflest replay`` does, and estimate with every model at its end."""
     settings = ReflestSettings(region=region, fusion=FusionSettings(max_depth=4.0))
-    scanner, capture = Scanner(settings), open_capture(folder)
+    pipeline, capture = Pipeline(settings), open_capture(folder)
     fullest, most = None, -1
     for frame in capture:
         try:
-            seen = scanner.fuse(frame).fused.voxels_seen
+            seen = pipeline.fuse(frame).fused.voxels_seen
         except FrameRefused as refusal:
             capture.refuse(refusal)
             continue
         if seen > most:
             fullest, most = frame, seen
     assert fullest is not None, f"no frame of {folder} shows the region"
-    surface = scanner.snapshot().surface
+    surface = pipeline.snapshot().surface
     estimates = {
         model: Estimator(EstimationSettings(model, up=UP)).estimate(surface, 0, "")
         for model in MODELS

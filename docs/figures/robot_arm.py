@@ -19,7 +19,7 @@ from reflest_core.capture.frame import Frame
 from reflest_core.capture.images.decode import decode_depth
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.estimation.material_map import MaterialMap
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 
 CAPTURES = {"shelf_label_fusion": "shelf", "bin_apc": "bin"}
@@ -64,13 +64,13 @@ def main() -> None:
     options = parser.parse_args()
     for name, picture in CAPTURES.items():
         capture = open_capture(options.captures / name)
-        scanner = Scanner(ReflestSettings(estimation=EstimationSettings(up=(0.0, 0.0, 1.0))))
+        pipeline = Pipeline(ReflestSettings(estimation=EstimationSettings(up=(0.0, 0.0, 1.0))))
         frames = list(capture)
         for frame in frames:
-            scanner.fuse(frame)
-        snapshot = scanner.snapshot()
-        found, shown = scanner.materials(snapshot), frames[SHOWN]
-        agreement = scanner.poses.report.agreement
+            pipeline.fuse(frame)
+        snapshot = pipeline.snapshot()
+        found, shown = pipeline.materials(snapshot), frames[SHOWN]
+        agreement = pipeline.poses.report.agreement
         print(f"{picture}: {len(frames)} frames, agreement {agreement:.2f}")
         for material in found.materials[:6]:
             one = material.estimate

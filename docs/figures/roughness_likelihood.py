@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from reflest_core.capture.open_capture import open_capture
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.inference.gloss.posterior import gloss_posterior
 from reflest_core.inference.light import seen_light
@@ -29,12 +29,12 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     arguments = parser.parse_args()
     truth = json.loads((arguments.capture / "truth.json").read_text())
-    scanner = Scanner(ReflestSettings())
+    pipeline = Pipeline(ReflestSettings())
     figure, axis = plt.subplots(figsize=(7, 4), layout="constrained")
     for number, frame in enumerate(open_capture(arguments.capture), start=1):
-        scanner.fuse(frame)
+        pipeline.fuse(frame)
         if number in FRAMES:
-            surface = scanner.snapshot().surface
+            surface = pipeline.snapshot().surface
             light = complete(seen_light(surface))
             found = gloss_posterior(surface, light, [np.arange(surface.voxel_count)])
             label = f"{number} frames" + ("" if found.is_identifiable else ", cannot be told")

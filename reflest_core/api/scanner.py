@@ -20,7 +20,7 @@ from reflest_core.api.arguments import (
 from reflest_core.capture.frame import Frame
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.material_map import MaterialMap
-from reflest_core.estimation.scanner import Scanner as Pipeline
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.export.environment_file import export_environment
 from reflest_core.export.exporter import EVERY_VOXEL, checked_format, export_scan

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from reflest_core.cli.scan_options import add_scan_options
 
 if TYPE_CHECKING:
-    from reflest_core.estimation.scanner import Scanner
+    from reflest_core.estimation.pipeline import Pipeline
     from reflest_core.export.asset import Asset
 
 EPILOG = """example: reflest export scan.npz --format glb --out table.glb
@@ -110,8 +110,8 @@ def _sphere(options: argparse.Namespace) -> Asset:
     if options.source.suffix == ".json":
         estimate = read_estimate(options.source)
     else:
-        scanner = _scanned(options)
-        estimate = scanner.estimate(scanner.snapshot())
+        pipeline = _scanned(options)
+        estimate = pipeline.estimate(pipeline.snapshot())
     return export_estimate(estimate, options.format, options.out, options.environment)
 
 
@@ -136,39 +136,39 @@ def _surface(options: argparse.Namespace) -> Asset:
         options.watertight,
         tuple(options.up) if options.up else (0.0, 0.0, 1.0),
     )
-    scanner = _scanned(options)
-    found = scanner.materials(scanner.snapshot(EVERY_VOXEL))
-    return export_scan(scanner.scan, found, options.out, options.format, settings)
+    pipeline = _scanned(options)
+    found = pipeline.materials(pipeline.snapshot(EVERY_VOXEL))
+    return export_scan(pipeline.scan, found, options.out, options.format, settings)
 
 
-def _scanned(options: argparse.Namespace) -> Scanner:
+def _scanned(options: argparse.Namespace) -> Pipeline:
     """The saved scan, or a scan of all frames of the capture."""
     from reflest_core.capture.open_capture import open_capture
     from reflest_core.capture.refusal import CaptureError, FrameRefused
     from reflest_core.cli.replay_options import replay_settings, topic_choice
-    from reflest_core.estimation.scanner import Scanner
+    from reflest_core.estimation.pipeline import Pipeline
 
     source: Path = options.source
     settings = replay_settings(options)
-    scanner = Scanner(settings)
+    pipeline = Pipeline(settings)
     if source.is_file() and source.suffix not in CAPTURE_SUFFIXES:
-        scanner.load(source)
-        return scanner
+        pipeline.load(source)
+        return pipeline
     capture = open_capture(
         source,
         topic_choice(options),
         settings.capture,
         tuple(options.intrinsics) if options.intrinsics else None,
-        on_clock_jump=lambda _: scanner.restart_clock(),
+        on_clock_jump=lambda _: pipeline.restart_clock(),
     )
     fused = 0
     for frame in capture:
         try:
-            scanner.fuse(frame)
+            pipeline.fuse(frame)
             fused += 1
         except FrameRefused as refusal:
             capture.refuse(refusal)
     if not fused:
         reasons = "; ".join(capture.refusals.first_message.values())
         raise CaptureError(f"{capture.name} has no usable frame: {reasons or 'it is empty'}")
-    return scanner
+    return pipeline

@@ -24,7 +24,7 @@ from reflest_core.cli.replay_report import (
     replay_record,
 )
 from reflest_core.estimation.estimator import NoEstimate
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.export.environment_file import export_environment, light_format
 from reflest_core.export.material_ply import export_materials
 
@@ -54,34 +54,34 @@ def replay(options: argparse.Namespace) -> None:
         settings.capture,
         pinhole,
         _warn_of_refusal,
-        lambda _: scanner.restart_clock(),
+        lambda _: pipeline.restart_clock(),
         lambda sentence: _say(f"warning: {sentence}"),
     )
     settings = replace(settings, capture=capture.settings)
-    scanner = Scanner(settings)
+    pipeline = Pipeline(settings)
     result = ReplayResult()
-    _scan(capture, scanner, result)
-    _conclude(capture, scanner, result)
+    _scan(capture, pipeline, result)
+    _conclude(capture, pipeline, result)
     _report(capture, result)
     if options.json is not None:
         write_json(options.json, replay_record(capture, settings, result))
     if options.materials is not None and result.materials is not None:
         export_materials(result.materials, options.materials)
     if options.save_scan is not None and result.fused_count:
-        scanner.save(options.save_scan)
+        pipeline.save(options.save_scan)
     if light_kind and result.fused_count:
-        export_environment(scanner.snapshot().surface, light_kind, options.environment)
+        export_environment(pipeline.snapshot().surface, light_kind, options.environment)
     if result.final is None:
         raise CaptureError(f"{capture.name} gives no estimate: {result.no_final}")
 
 
-def _scan(capture: Capture, scanner: Scanner, result: ReplayResult) -> None:
+def _scan(capture: Capture, pipeline: Pipeline, result: ReplayResult) -> None:
     """Fuse every frame and estimate at every keyframe."""
     with tqdm(total=capture.frame_total, unit="frame", disable=None) as bar:
         for frame in capture:
             bar.update(capture.frames_seen - bar.n)
             try:
-                scanned = scanner.fuse(frame)
+                scanned = pipeline.fuse(frame)
             except FrameRefused as refusal:
                 capture.refuse(refusal)
                 continue
@@ -92,7 +92,7 @@ def _scan(capture: Capture, scanner: Scanner, result: ReplayResult) -> None:
             if scanned.keyframe is None:
                 continue
             try:
-                estimate = scanner.estimate(scanned.keyframe)
+                estimate = pipeline.estimate(scanned.keyframe)
             except NoEstimate as reason:
                 tqdm.write(f"{frame.stamp_ns / 1e9:.3f} s  no estimate: {reason}")
                 continue
@@ -101,17 +101,17 @@ def _scan(capture: Capture, scanner: Scanner, result: ReplayResult) -> None:
         bar.update(capture.frames_seen - bar.n)
 
 
-def _conclude(capture: Capture, scanner: Scanner, result: ReplayResult) -> None:
+def _conclude(capture: Capture, pipeline: Pipeline, result: ReplayResult) -> None:
     """Estimate from the whole scan, or note why that cannot be done."""
-    result.poses = scanner.poses.report
+    result.poses = pipeline.poses.report
     frame = result.last_fused
     if frame is None:
         reasons = "; ".join(capture.refusals.first_message.values())
         result.no_final = reasons or "it holds no colour image"
         return
     try:
-        result.final = scanner.estimate(scanner.snapshot())
-        result.materials = scanner.materials(scanner.snapshot(EVERY_VOXEL))
+        result.final = pipeline.estimate(pipeline.snapshot())
+        result.materials = pipeline.materials(pipeline.snapshot(EVERY_VOXEL))
     except NoEstimate as reason:
         result.no_final = str(reason)
 

@@ -22,7 +22,7 @@ from reflest_core.environment.environment_map import environment_map
 from reflest_core.environment.picture import coverage_codes, tone_mapped
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimate import BrdfEstimate
-from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
+from reflest_core.estimation.pipeline import KeyframeSnapshot, Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.rendering.voxel_colours import VoxelColouring
@@ -68,7 +68,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _draw_all(bag: Path, folder: Path) -> None:
     settings = ReflestSettings()
-    scanner = Scanner(settings)
+    scanner = Pipeline(settings)
     keyframes = [scanner.fuse(frame).keyframe for frame in open_capture(bag)]
     poses = [one.T_world_camera for one in keyframes if one and one.T_world_camera is not None]
     snapshot = scanner.snapshot()

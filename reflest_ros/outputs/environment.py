@@ -16,7 +16,7 @@ from sensor_msgs.msg import Image
 from reflest_core.environment.environment_map import EnvironmentMap, environment_map, nothing_seen
 from reflest_core.environment.picture import coverage_codes, tone_mapped
 from reflest_core.estimation.estimate import BrdfEstimate
-from reflest_core.estimation.scanner import KeyframeSnapshot
+from reflest_core.estimation.pipeline import KeyframeSnapshot
 from reflest_ros.inputs.core_messages import ns_to_stamp
 from reflest_ros.outputs.view_publisher import ViewPublisher
 from reflest_ros.outputs.view_settings import EnvironmentSettings, read_settings

@@ -16,7 +16,7 @@ from rclpy.node import Node
 
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimate import BrdfEstimate
-from reflest_core.estimation.scanner import KeyframeSnapshot
+from reflest_core.estimation.pipeline import KeyframeSnapshot
 from reflest_ros.inputs.qos import OUTPUT_QOS
 from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
 from reflest_ros.outputs.environment import Environment

@@ -15,7 +15,7 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
-from reflest_core.estimation.scanner import KeyframeSnapshot
+from reflest_core.estimation.pipeline import KeyframeSnapshot
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_ros.inputs.core_messages import ns_to_stamp

@@ -16,7 +16,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from reflest_core.capture.frame import Frame
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.material_map import MaterialMap
-from reflest_core.estimation.scanner import KeyframeSnapshot
+from reflest_core.estimation.pipeline import KeyframeSnapshot
 from reflest_core.rendering.material_labels import CameraView, labels_over, voxels_in_image
 from reflest_ros.inputs.qos import OUTPUT_QOS
 from reflest_ros.msg import MaterialMap as MaterialMapMessage

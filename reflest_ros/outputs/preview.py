@@ -10,7 +10,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import Image
 
 from reflest_core.estimation.estimate import BrdfEstimate
-from reflest_core.estimation.scanner import KeyframeSnapshot
+from reflest_core.estimation.pipeline import KeyframeSnapshot
 from reflest_core.rendering.sphere import render_point_light, tone_map
 from reflest_ros.inputs.core_messages import ns_to_stamp
 from reflest_ros.outputs.view_publisher import ViewPublisher

@@ -10,7 +10,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import PointCloud2
 
 from reflest_core.estimation.estimate import BrdfEstimate
-from reflest_core.estimation.scanner import KeyframeSnapshot
+from reflest_core.estimation.pipeline import KeyframeSnapshot
 from reflest_core.rendering.voxel_colours import (
     UNKNOWN,
     VoxelColouring,

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from reflest_core.errors import ReflestError
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.fusion.settings import RegionSettings
 from reflest_ros.parameters import set_region_parameters
 from reflest_ros.services.answers import answer_with
@@ -31,7 +31,7 @@ SHAPES = {
 class Session(Protocol):
     """What the services work on."""
 
-    scanner: Scanner
+    scanner: Pipeline
     fusion: FusionWorker
 
     def reset(self) -> None:

@@ -17,7 +17,7 @@ from rclpy.node import Node
 from rclpy.timer import Timer
 
 from reflest_core.errors import ReflestError
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.fusion.scan_file import DamagedScanError, ScanFileError
 from reflest_ros.settings import AutosaveSettings
 from reflest_ros.workers.fusion_worker import FusionWorker
@@ -37,7 +37,7 @@ class Autosave:
         failure: Why the last attempt failed, "" where it did not.
     """
 
-    def __init__(self, node: Node, settings: AutosaveSettings, scanner: Scanner) -> None:
+    def __init__(self, node: Node, settings: AutosaveSettings, scanner: Pipeline) -> None:
         """Check that the file can be used, and lock it against other nodes.
 
         Args:

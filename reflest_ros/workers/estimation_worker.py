@@ -13,7 +13,7 @@ from typing import Protocol
 
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimate import BrdfEstimate
-from reflest_core.estimation.scanner import KeyframeSnapshot
+from reflest_core.estimation.pipeline import KeyframeSnapshot
 from reflest_ros.threads import resolve, worker_thread
 from reflest_ros.workers.fusion_worker import Keyframe
 

@@ -18,7 +18,7 @@ from reflest_core.capture.frame import Frame
 from reflest_core.capture.messages import Role, SensorMessage
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.errors import ReflestError
-from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
+from reflest_core.estimation.pipeline import KeyframeSnapshot, Pipeline
 from reflest_ros.threads import resolve, worker_thread
 from reflest_ros.workers.fusion_counts import FusionCounts
 
@@ -80,7 +80,7 @@ class FusionWorker:
     def __init__(
         self,
         assembler: FrameAssembler,
-        scanner: Scanner,
+        scanner: Pipeline,
         on_keyframe: Callable[[Keyframe], None],
         on_crash: Callable[[BaseException], None],
         queue_size: int,

@@ -150,7 +150,7 @@ def test_the_core_knows_no_ros():
 
 def test_the_live_path_loads_no_heavy_library_at_its_start():
     """PyTorch modules of the networks are loaded by training alone."""
-    reached, waiting = set(), {"reflest_core.estimation.scanner", "reflest_core.cli.replay"}
+    reached, waiting = set(), {"reflest_core.estimation.pipeline", "reflest_core.cli.replay"}
     while waiting:
         name = waiting.pop()
         reached.add(name)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from reflest_core.capture.open_capture import open_capture
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.evaluation.quick_check import QUICK_SET
 from reflest_core.models.predictor import Predictor
@@ -31,13 +31,13 @@ COUNTS = ("voxel_count", "observation_count", "view_count")
 
 @pytest.mark.parametrize("model", STORED["estimates"])
 def test_replayed_estimates_are_those_of_the_stored_version(model):
-    scanner = Scanner(ReflestSettings(estimation=EstimationSettings(model=model)))
+    pipeline = Pipeline(ReflestSettings(estimation=EstimationSettings(model=model)))
     first = None
     for frame in open_capture(CAPTURE):
-        keyframe = scanner.fuse(frame).keyframe
+        keyframe = pipeline.fuse(frame).keyframe
         if keyframe is not None and first is None:
-            first = scanner.estimate(keyframe).to_json()
-    final = scanner.estimate(scanner.snapshot()).to_json()
+            first = pipeline.estimate(keyframe).to_json()
+    final = pipeline.estimate(pipeline.snapshot()).to_json()
     for found, stored in zip((first, final), STORED["estimates"][model].values(), strict=True):
         for name, value in stored.items():
             if model == "lightnet" and found is final and name in ROUGHNESS:

@@ -20,7 +20,7 @@ from own_process import ROOT
 from std_srvs.srv import Trigger
 
 from reflest_core.capture.open_capture import open_capture
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_ros.outputs.estimate_message import estimate_from_message
 from reflest_ros.srv import Estimate, LoadScan, SaveScan
@@ -84,7 +84,7 @@ def test_every_published_estimate_is_one_of_replay(played, replayed):
 
 def test_latency_is_a_few_times_what_the_work_takes_offline(played, sphere_bag, settings_file):
     """Fusion and estimate of the same keyframes on the same machine are the measure."""
-    scanner = Scanner(ReflestSettings.from_yaml(settings_file))
+    scanner = Pipeline(ReflestSettings.from_yaml(settings_file))
     taken = []
     for frame in open_capture(sphere_bag):
         started = time.perf_counter()

@@ -20,7 +20,7 @@ from reflest_core.capture.refusal import RefusalCause
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimator import NoEstimate
-from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
+from reflest_core.estimation.pipeline import KeyframeSnapshot, Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_ros.inputs import core_messages
 from reflest_ros.workers.estimation_worker import EstimationWorker
@@ -39,7 +39,7 @@ def fusion():
     keyframes = []
     worker = FusionWorker(
         assembler,
-        Scanner(settings),
+        Pipeline(settings),
         keyframes.append,
         crash_is_failure,
         queue_size=8,
@@ -72,7 +72,7 @@ def test_a_keyframe_is_handed_on_before_anything_is_counted():
     voxels = []
     worker = FusionWorker(
         FrameAssembler(CaptureSettings()),
-        Scanner(ReflestSettings()),
+        Pipeline(ReflestSettings()),
         lambda _: voxels.append(worker.counts.voxels),
         crash_is_failure,
         queue_size=8,
@@ -104,7 +104,7 @@ def test_an_image_without_partners_is_settled_when_messages_stop():
     )
     worker = FusionWorker(
         assembler,
-        Scanner(ReflestSettings()),
+        Pipeline(ReflestSettings()),
         lambda _: None,
         crash_is_failure,
         queue_size=8,
@@ -124,7 +124,7 @@ def test_a_job_that_waits_when_the_worker_stops_is_answered():
     settings = ReflestSettings()
     worker = FusionWorker(
         FrameAssembler(CaptureSettings()),
-        Scanner(settings),
+        Pipeline(settings),
         lambda _: None,
         crash_is_failure,
         queue_size=8,
@@ -273,11 +273,11 @@ def test_a_request_that_waits_when_the_worker_stops_is_answered(estimating):
         waiting.result(60)
 
 
-class SlowScanner:
+class SlowPipeline:
     """Takes a while for each frame, as a slow computer does."""
 
     def __init__(self, seconds):
-        self._scanner = Scanner(ReflestSettings())
+        self._scanner = Pipeline(ReflestSettings())
         self._seconds = seconds
 
     def fuse(self, frame):
@@ -291,7 +291,7 @@ class SlowScanner:
 def test_a_request_is_answered_soon_while_more_comes_than_can_be_fused():
     worker = FusionWorker(
         FrameAssembler(CaptureSettings()),
-        SlowScanner(0.1),
+        SlowPipeline(0.1),
         lambda _: None,
         crash_is_failure,
         queue_size=400,
@@ -326,7 +326,7 @@ def test_a_request_is_answered_soon_while_more_comes_than_can_be_fused():
 def test_a_request_waits_for_everything_when_nothing_more_comes():
     worker = FusionWorker(
         FrameAssembler(CaptureSettings()),
-        SlowScanner(0.1),
+        SlowPipeline(0.1),
         lambda _: None,
         crash_is_failure,
         queue_size=400,

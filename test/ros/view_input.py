@@ -9,7 +9,7 @@ import dataclasses
 import numpy as np
 from test_estimate_message import ESTIMATE
 
-from reflest_core.estimation.scanner import KeyframeSnapshot
+from reflest_core.estimation.pipeline import KeyframeSnapshot
 from reflest_core.surface.observed_surface import ObservedSurface
 
 STAMP_NS = 12_000_000_034

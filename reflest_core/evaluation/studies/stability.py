@@ -18,7 +18,7 @@ from reflest_core.capture.frame import Frame
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.capture.refusal import FrameRefused
 from reflest_core.estimation.estimate import BrdfEstimate
-from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
+from reflest_core.estimation.pipeline import KeyframeSnapshot, Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.surface.selection import keep_voxels
@@ -88,8 +88,8 @@ def measure_stability(
 
 def _ratios(frames: list[Frame], settings: ReflestSettings) -> dict[str, NDArray[np.float64]]:
     """(5,) by kind of change, of one capture."""
-    scanner, snapshot = _scanned(frames, settings)
-    base = scanner.estimate(snapshot)
+    pipeline, snapshot = _scanned(frames, settings)
+    base = pipeline.estimate(snapshot)
     stddev = np.array([*base.rho_d_stddev, base.rho_s_stddev, base.alpha_stddev])
 
     def again(changed: list[Frame], with_settings: ReflestSettings = settings) -> BrdfEstimate:
@@ -99,7 +99,9 @@ def _ratios(frames: list[Frame], settings: ReflestSettings) -> dict[str, NDArray
     def of_voxels(rng: np.random.Generator) -> BrdfEstimate:
         surface = snapshot.surface
         chosen = np.flatnonzero(rng.random(surface.voxel_count) < KEPT)
-        return scanner.estimate(dataclasses.replace(snapshot, surface=keep_voxels(surface, chosen)))
+        return pipeline.estimate(
+            dataclasses.replace(snapshot, surface=keep_voxels(surface, chosen))
+        )
 
     around_mean = {
         "70 % of frames": [
@@ -120,14 +122,14 @@ def _ratios(frames: list[Frame], settings: ReflestSettings) -> dict[str, NDArray
     return found
 
 
-def _scanned(frames: list[Frame], settings: ReflestSettings) -> tuple[Scanner, KeyframeSnapshot]:
-    scanner = Scanner(settings)
+def _scanned(frames: list[Frame], settings: ReflestSettings) -> tuple[Pipeline, KeyframeSnapshot]:
+    pipeline = Pipeline(settings)
     for frame in frames:
         try:
-            scanner.fuse(frame)
+            pipeline.fuse(frame)
         except FrameRefused:
             continue
-    return scanner, scanner.snapshot()
+    return pipeline, pipeline.snapshot()
 
 
 def _seeds(count: int = SUBSETS) -> Iterator[np.random.Generator]:

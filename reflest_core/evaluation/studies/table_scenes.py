@@ -24,7 +24,7 @@ from reflest_core.capture.refusal import FrameRefused
 from reflest_core.environment.environment_map import from_octahedral
 from reflest_core.estimation.estimator import NoEstimate
 from reflest_core.estimation.material_map import MaterialMap
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.evaluation.statistics.map_stability import Change, change_between
@@ -99,23 +99,23 @@ def measure_materials(
 
 def _measure(scene: Path, environments: Path | None) -> dict[str, Any]:
     truth, card = read_cloud(scene / TRUTH), _card(scene)
-    scanner = Scanner(ReflestSettings())
+    pipeline = Pipeline(ReflestSettings())
     maps = []
     capture = open_capture(scene)
     for frame in capture:
         try:
-            scanned = scanner.fuse(frame)
+            scanned = pipeline.fuse(frame)
         except FrameRefused as refusal:
             capture.refuse(refusal)
             continue
         if scanned.keyframe is not None:
             try:
-                maps.append(scanner.materials(scanned.keyframe))
+                maps.append(pipeline.materials(scanned.keyframe))
             except NoEstimate:
                 continue
-    snapshot = scanner.snapshot(EVERY_VOXEL)
+    snapshot = pipeline.snapshot(EVERY_VOXEL)
     started = time.process_time()
-    final = scanner.materials(snapshot)
+    final = pipeline.materials(snapshot)
     seconds = time.process_time() - started
     changes = [
         change
@@ -128,7 +128,7 @@ def _measure(scene: Path, environments: Path | None) -> dict[str, Any]:
         "voxels": final.surface.voxel_count,
         "cpu_seconds": seconds,
         "materials": dataclasses.asdict(_errors(final, truth)),
-        "whole": dataclasses.asdict(_errors(_as_one(scanner, final), truth)),
+        "whole": dataclasses.asdict(_errors(_as_one(pipeline, final), truth)),
         "irradiance": irradiance_error(final, card, environments),
         "kept": _mean([change.kept for change in changes]),
         "small_steps": _small_steps(changes),
@@ -139,10 +139,10 @@ def _errors(found: MaterialMap, truth: NDArray[np.void]) -> CloudErrors:
     return compare_clouds(material_vertices(found), truth)
 
 
-def _as_one(scanner: Scanner, found: MaterialMap) -> MaterialMap:
+def _as_one(pipeline: Pipeline, found: MaterialMap) -> MaterialMap:
     """The same scan as one material."""
     surface = found.surface
-    return scanner.estimator.materials(
+    return pipeline.estimator.materials(
         surface, Partition.whole(surface), found.stamp_ns, found.frame_id
     )
 

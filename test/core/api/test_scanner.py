@@ -10,7 +10,7 @@ import pytest
 
 import reflest_core
 from reflest_core import ReflestError, Scanner, box, open_capture, sphere
-from reflest_core.estimation.scanner import Scanner as Pipeline
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 
 CAPTURE = Path(__file__).parents[3] / "captures" / "glossy-red"

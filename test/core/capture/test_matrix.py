@@ -12,7 +12,7 @@ from rosbags.rosbag2 import CompressionMode
 from reflest_core.capture.messages import CompressedImageMessage, Role
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.capture.settings import CaptureSettings
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.fusion.settings import FusionSettings
 from test.core.capture.folder_writers import LOSSY, WRITERS
@@ -43,11 +43,11 @@ def estimate_of(tmp_path_factory):
             estimation=EstimationSettings(weights=weights),
         )
         opened = open_capture(path, settings=settings.capture)
-        scanner = Scanner(settings)
+        pipeline = Pipeline(settings)
         for frame in opened:
-            scanner.fuse(frame)
+            pipeline.fuse(frame)
         assert not opened.refusals.counts
-        found = scanner.estimate(scanner.snapshot())
+        found = pipeline.estimate(pipeline.snapshot())
         numbers = [*found.rho_d, found.rho_s, found.alpha, *found.rho_d_stddev]
         return numbers, found.voxel_count, found.observation_count
 

@@ -9,7 +9,7 @@ import pytest
 
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.estimation.estimate import EstimateStatus
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.fusion.settings import FusionSettings
 from test.core.fusion.scan_state import assert_same_arrays, state_of
@@ -28,45 +28,45 @@ def frames():
 
 
 def scanned(frames, **fusion):
-    scanner = Scanner(ReflestSettings(fusion=FusionSettings(**fusion)))
+    pipeline = Pipeline(ReflestSettings(fusion=FusionSettings(**fusion)))
     for frame in frames:
-        scanner.fuse(frame)
-    return scanner
+        pipeline.fuse(frame)
+    return pipeline
 
 
 def test_after_a_jump_the_scan_is_that_of_the_frames_after_it(frames):
-    scanner = scanned(frames)
-    assert_same_arrays(state_of(scanner.scan), state_of(scanned(frames[9:]).scan))
-    estimate = scanner.estimate(scanner.snapshot())
+    pipeline = scanned(frames)
+    assert_same_arrays(state_of(pipeline.scan), state_of(scanned(frames[9:]).scan))
+    estimate = pipeline.estimate(pipeline.snapshot())
     assert estimate.status is EstimateStatus.INCONSISTENT_POSES
     assert estimate.status_text.startswith("the tracker jumped once")
     assert "was dropped" in estimate.status_text
 
 
 def test_keep_goes_on_in_the_same_scan_and_says_that_it_is_mixed(frames):
-    scanner = scanned(frames, on_jump="keep")
-    assert scanner.scan.view_count == len(frames)
-    assert "mixed" in scanner.estimate(scanner.snapshot()).status_text
+    pipeline = scanned(frames, on_jump="keep")
+    assert pipeline.scan.view_count == len(frames)
+    assert "mixed" in pipeline.estimate(pipeline.snapshot()).status_text
 
 
 def test_a_reset_forgets_the_jump(frames):
-    scanner = scanned(frames)
-    scanner.reset()
+    pipeline = scanned(frames)
+    pipeline.reset()
     for frame in frames[12:]:
-        scanner.fuse(frame)
-    assert scanner.snapshot().poses.problem == ""
+        pipeline.fuse(frame)
+    assert pipeline.snapshot().poses.problem == ""
 
 
 def test_right_poses_leave_the_status_to_the_rest(frames):
-    scanner = scanned(frames[:9])
-    assert scanner.snapshot().poses.problem == ""
-    estimate = scanner.estimate(scanner.snapshot())
+    pipeline = scanned(frames[:9])
+    assert pipeline.snapshot().poses.problem == ""
+    estimate = pipeline.estimate(pipeline.snapshot())
     assert estimate.status is not EstimateStatus.INCONSISTENT_POSES
     assert estimate.depth_agreement > 0.95
 
 
 def test_every_material_of_a_scan_with_wrong_poses_says_so(frames):
-    scanner = scanned(frames, on_jump="keep")
-    estimates = [one.estimate for one in scanner.materials(scanner.snapshot()).materials]
+    pipeline = scanned(frames, on_jump="keep")
+    estimates = [one.estimate for one in pipeline.materials(pipeline.snapshot()).materials]
     assert {one.status for one in estimates} == {EstimateStatus.INCONSISTENT_POSES}
     assert all(len(one.status_text) <= 512 for one in estimates)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
@@ -89,11 +89,11 @@ def test_a_depth_camera_that_fails_before_the_object_shows_no_light():
 
 
 def test_it_is_a_keyframe_whose_estimate_knows_more_of_the_light():
-    scanner = Scanner(
+    pipeline = Pipeline(
         ReflestSettings(region=REGION, fusion=FUSION, estimation=EstimationSettings(min_voxels=1))
     )
-    keyframes = [scanner.fuse(frame).keyframe for frame in orbit_frames(6)]
+    keyframes = [pipeline.fuse(frame).keyframe for frame in orbit_frames(6)]
     before = next(one for one in reversed(keyframes) if one is not None)
-    after = scanner.fuse(looking_away(0.0, stamp_ns=9_000_000_000)).keyframe
+    after = pipeline.fuse(looking_away(0.0, stamp_ns=9_000_000_000)).keyframe
     assert after.surface.light.seen_share > before.surface.light.seen_share
-    scanner.estimate(after)
+    pipeline.estimate(after)

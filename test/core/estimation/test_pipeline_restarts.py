@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from test.core.fusion.analytic_scene import orbit_frames
@@ -26,54 +26,54 @@ FRAMES = [
 
 
 @pytest.fixture
-def scanner():
-    scanner = Scanner(SETTINGS)
+def pipeline():
+    pipeline = Pipeline(SETTINGS)
     for frame in FRAMES[:6]:
-        scanner.fuse(frame)
-    return scanner
+        pipeline.fuse(frame)
+    return pipeline
 
 
-def test_a_restarted_clock_keeps_the_scan_and_takes_any_stamp(scanner):
-    voxels, views = scanner.scan.voxel_count, scanner.scan.view_count
+def test_a_restarted_clock_keeps_the_scan_and_takes_any_stamp(pipeline):
+    voxels, views = pipeline.scan.voxel_count, pipeline.scan.view_count
     with pytest.raises(FrameRefused) as refused:
-        scanner.fuse(FRAMES[0])
+        pipeline.fuse(FRAMES[0])
     assert refused.value.cause is RefusalCause.TIME_BACKWARDS
-    scanner.restart_clock()
-    again = scanner.fuse(FRAMES[0])
+    pipeline.restart_clock()
+    again = pipeline.fuse(FRAMES[0])
     assert again.keyframe is not None
-    assert scanner.scan.view_count == views
-    assert scanner.scan.voxel_count >= voxels
+    assert pipeline.scan.view_count == views
+    assert pipeline.scan.voxel_count >= voxels
     with pytest.raises(FrameRefused):
-        scanner.fuse(FRAMES[0])
+        pipeline.fuse(FRAMES[0])
 
 
-def test_another_region_empties_the_scan_and_the_same_one_does_not(scanner):
-    voxels = scanner.scan.voxel_count
-    scanner.set_region(SETTINGS.region)
-    assert scanner.scan.voxel_count == voxels > 0
+def test_another_region_empties_the_scan_and_the_same_one_does_not(pipeline):
+    voxels = pipeline.scan.voxel_count
+    pipeline.set_region(SETTINGS.region)
+    assert pipeline.scan.voxel_count == voxels > 0
     upper = RegionSettings("box", (0.0, 0.0, 0.15), (0.3, 0.3, 0.3))
-    scanner.set_region(upper)
-    assert scanner.scan.region_settings == upper
-    assert scanner.scan.voxel_count == scanner.scan.view_count == 0
-    assert scanner.snapshot().T_world_camera is None
+    pipeline.set_region(upper)
+    assert pipeline.scan.region_settings == upper
+    assert pipeline.scan.voxel_count == pipeline.scan.view_count == 0
+    assert pipeline.snapshot().T_world_camera is None
     for frame in FRAMES:
-        scanner.fuse(frame)
-    assert 0 < scanner.scan.voxel_count < voxels
-    height = scanner.scan.snapshot().positions[:, 2]
+        pipeline.fuse(frame)
+    assert 0 < pipeline.scan.voxel_count < voxels
+    height = pipeline.scan.snapshot().positions[:, 2]
     assert height.min() > -2 * SETTINGS.fusion.voxel_size
 
 
-def test_a_loaded_scan_knows_its_frames_and_takes_any_stamp(scanner, tmp_path):
+def test_a_loaded_scan_knows_its_frames_and_takes_any_stamp(pipeline, tmp_path):
     path = tmp_path / "scan.reflest"
-    expected = scanner.snapshot()
+    expected = pipeline.snapshot()
     assert (expected.frame_id, expected.world_frame_id) == ("camera", "map")
-    scanner.save(path)
-    other = Scanner(SETTINGS)
+    pipeline.save(path)
+    other = Pipeline(SETTINGS)
     other.load(path)
     loaded = other.snapshot()
     assert (loaded.frame_id, loaded.world_frame_id) == ("camera", "map")
     assert loaded.stamp_ns == expected.stamp_ns
-    found, before = other.estimate(loaded).to_json(), scanner.estimate(expected).to_json()
+    found, before = other.estimate(loaded).to_json(), pipeline.estimate(expected).to_json()
     # How frames agree is known of those that were fused since the load alone.
     assert found.pop("depth_agreement") is None
     assert before.pop("depth_agreement") > 0.5
@@ -81,22 +81,22 @@ def test_a_loaded_scan_knows_its_frames_and_takes_any_stamp(scanner, tmp_path):
     other.fuse(FRAMES[0])
 
 
-def test_a_file_without_names_of_frames_is_read(scanner, tmp_path):
+def test_a_file_without_names_of_frames_is_read(pipeline, tmp_path):
     path = tmp_path / "scan.reflest"
-    scanner.save(path)
+    pipeline.save(path)
     with np.load(path) as file:
         arrays = {name: file[name] for name in file.files}
     header = json.loads(str(arrays["header"]))
     del header["frame_id"], header["world_frame_id"]
     with path.open("wb") as file:
         np.savez(file, **{**arrays, "header": np.array(json.dumps(header))})
-    scanner.load(path)
-    assert scanner.snapshot().world_frame_id == ""
+    pipeline.load(path)
+    assert pipeline.snapshot().world_frame_id == ""
 
 
-def test_fill_is_the_share_of_the_fullest_part(scanner):
-    scan = scanner.scan
+def test_fill_is_the_share_of_the_fullest_part(pipeline):
+    scan = pipeline.scan
     shares = [part.count / part.capacity for part in (scan.volume, scan.store, scan.views)]
     assert scan.fill == max(shares) > 0.0
-    scanner.reset()
+    pipeline.reset()
     assert scan.fill == 0.0

@@ -10,7 +10,7 @@ import pytest
 
 from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.estimation.estimate import EstimateStatus
-from reflest_core.estimation.scanner import Scanner
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.light.known_light import KnownLightError
@@ -31,32 +31,32 @@ SETTINGS = ReflestSettings(
 
 
 @pytest.fixture(scope="module")
-def scanner():
-    scanner = Scanner(SETTINGS)
+def pipeline():
+    pipeline = Pipeline(SETTINGS)
     for frame in orbit_frames(8):
-        scanner.fuse(frame)
-    return scanner
+        pipeline.fuse(frame)
+    return pipeline
 
 
-def test_counts_are_the_whole_scans_where_the_snapshot_is_a_part_of_it(scanner):
-    whole = scanner.estimate(scanner.snapshot())
-    assert whole.voxel_count == scanner.scan.store.observed_count
-    assert whole.observation_count == scanner.scan.observation_count
-    assert whole.view_count == scanner.scan.view_count
-    part = scanner.snapshot(most_voxels=100)
+def test_counts_are_the_whole_scans_where_the_snapshot_is_a_part_of_it(pipeline):
+    whole = pipeline.estimate(pipeline.snapshot())
+    assert whole.voxel_count == pipeline.scan.store.observed_count
+    assert whole.observation_count == pipeline.scan.observation_count
+    assert whole.view_count == pipeline.scan.view_count
+    part = pipeline.snapshot(most_voxels=100)
     assert part.surface.voxel_count == 100 < whole.voxel_count
-    estimate = scanner.estimate(part)
+    estimate = pipeline.estimate(part)
     assert estimate.voxel_count == whole.voxel_count
     assert estimate.observation_count == whole.observation_count
 
 
-def test_frames_that_come_while_estimating_change_nothing(scanner):
-    frozen = scanner.snapshot()
-    expected = scanner.estimate(frozen).to_json()
+def test_frames_that_come_while_estimating_change_nothing(pipeline):
+    frozen = pipeline.snapshot()
+    expected = pipeline.estimate(frozen).to_json()
     for frame in orbit_frames(12)[8:]:
-        scanner.fuse(frame)
-    assert scanner.estimate(frozen).to_json() == expected
-    assert scanner.estimate(scanner.snapshot()).to_json() != expected
+        pipeline.fuse(frame)
+    assert pipeline.estimate(frozen).to_json() == expected
+    assert pipeline.estimate(pipeline.snapshot()).to_json() != expected
 
 
 CLOSE_UP = CameraIntrinsics(width=160, height=120, fx=900.0, fy=900.0, cx=79.5, cy=59.5)
@@ -67,14 +67,14 @@ CLOSE_UP = CameraIntrinsics(width=160, height=120, fx=900.0, fy=900.0, cx=79.5, 
 def test_the_background_is_the_light_that_lightnet_knows(camera, is_seen, tmp_path):
     weights = str(untrained_lightnet(tmp_path))
     estimation = EstimationSettings("lightnet", weights, low_light=0.0)
-    scanner = Scanner(dataclasses.replace(SETTINGS, estimation=estimation))
+    pipeline = Pipeline(dataclasses.replace(SETTINGS, estimation=estimation))
     for view in range(6):
-        scanner.fuse(render([OBJECT], look_at(orbit(view, 6)), view, camera))
-    estimate = scanner.estimate(scanner.snapshot())
+        pipeline.fuse(render([OBJECT], look_at(orbit(view, 6)), view, camera))
+    estimate = pipeline.estimate(pipeline.snapshot())
     assert ("none of the surroundings" in estimate.status_text) != is_seen
-    scanner.save(tmp_path / "scan")
-    scanner.load(tmp_path / "scan")
-    assert scanner.estimate(scanner.snapshot()).to_json() == estimate.to_json()
+    pipeline.save(tmp_path / "scan")
+    pipeline.load(tmp_path / "scan")
+    assert pipeline.estimate(pipeline.snapshot()).to_json() == estimate.to_json()
 
 
 def in_a_room(count):
@@ -89,12 +89,12 @@ def in_a_room(count):
 def test_an_earlier_scan_of_the_room_stands_in_for_what_was_not_seen(tmp_path):
     """Two frames see little of the surroundings; eight frames before them saw more."""
     settings, frames = in_a_room(8)
-    earlier = Scanner(settings)
+    earlier = Pipeline(settings)
     for frame in frames:
         earlier.fuse(frame)
     earlier.save(tmp_path / "room")
     known = dataclasses.replace(settings.estimation, known_light=str(tmp_path / "room"))
-    plain, helped = Scanner(settings), Scanner(dataclasses.replace(settings, estimation=known))
+    plain, helped = Pipeline(settings), Pipeline(dataclasses.replace(settings, estimation=known))
     for frame in frames[:2]:
         plain.fuse(frame)
         helped.fuse(frame)
@@ -111,7 +111,7 @@ def test_light_that_does_not_fit_is_a_doubt_and_changes_nothing(tmp_path):
     cv2.imwrite(str(tmp_path / "elsewhere.hdr"), noise)
     settings, frames = in_a_room(4)
     known = dataclasses.replace(settings.estimation, known_light=str(tmp_path / "elsewhere.hdr"))
-    plain, misled = Scanner(settings), Scanner(dataclasses.replace(settings, estimation=known))
+    plain, misled = Pipeline(settings), Pipeline(dataclasses.replace(settings, estimation=known))
     for frame in frames:
         plain.fuse(frame)
         misled.fuse(frame)
@@ -125,4 +125,4 @@ def test_known_light_that_is_not_there_stops_the_start(tmp_path):
     path = str(tmp_path / "nothing.hdr")
     known = dataclasses.replace(SETTINGS.estimation, known_light=path)
     with pytest.raises(KnownLightError, match=r"nothing\.hdr cannot be read"):
-        Scanner(dataclasses.replace(SETTINGS, estimation=known))
+        Pipeline(dataclasses.replace(SETTINGS, estimation=known))

@@ -79,7 +79,7 @@ class ScannedFrame:
     keyframe: KeyframeSnapshot | None
 
 
-class Scanner:
+class Pipeline:
     """Fuses frames and estimates the material of what they show.
 
     :meth:`estimate` only reads its snapshot: it may run in one other thread while frames go on.
