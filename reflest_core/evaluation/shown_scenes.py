@@ -49,7 +49,7 @@ def load_shown(
 def shown(
     scene: SynbrdfScene,
     views: NDArray[np.int64] | None = None,
-    looks_away: Sequence[Background] = (),
+    background_frames: Sequence[Background] = (),
 ) -> Sample:
     """The observations of some views of a scene, as a sample.
 
@@ -58,12 +58,12 @@ def shown(
     Args:
         scene: A scene of the data set.
         views: (W,) int64, indices of views; None for all.
-        looks_away: Further frames, which show the light alone.
+        background_frames: Further frames, which show the light alone.
     """
     if views is None:
         views = np.arange(len(scene.surface.view_centres))
     return dataclasses.replace(
-        sample_of(scene), surface=scanned(scene, views, looks_away=looks_away)
+        sample_of(scene), surface=scanned(scene, views, background_frames=background_frames)
     )
 
 

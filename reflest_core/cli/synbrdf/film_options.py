@@ -14,7 +14,7 @@ FILM_OPTIONS = ("seed", "frames", "width", "height", "samples", "rate", "environ
 
 
 def add_film_options(parser: argparse.ArgumentParser, frames: int, samples: int) -> None:
-    """Add the options; ``frames`` and ``samples`` are their defaults.
+    """Add the options.
 
     Args:
         parser: takes the options.

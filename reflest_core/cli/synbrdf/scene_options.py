@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def add_scene_options(parser: argparse.ArgumentParser, frames: str) -> None:
-    """Add the options that say which set, and which of its scenes and views (``frames``).
+    """Add the options that say which set, and which of its scenes and views.
 
     Args:
         parser: takes the options.

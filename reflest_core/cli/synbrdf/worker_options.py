@@ -10,7 +10,7 @@ from contextlib import AbstractContextManager
 
 
 def add_worker_options(parser: argparse.ArgumentParser, jobs: str) -> None:
-    """``--jobs``, which means ``jobs``, or ``--scheduler``.
+    """Add ``--jobs`` and ``--scheduler``.
 
     Args:
         parser: takes the options.

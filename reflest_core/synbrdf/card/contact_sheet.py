@@ -27,16 +27,17 @@ INSET_EVERY, INSET_SHARE = 3, 0.4
 def contact_sheet(
     generation: Generation, split: Split, rows: int, columns: int, samples: int = 16
 ) -> NDArray[np.uint8]:
-    """8-bit sRGB image of the first view of ``rows`` x ``columns`` scenes, evenly from a split.
-
-    Every third has its depth map in the corner, near is bright.
+    """Draw the first views of scenes, taken evenly from a split; every third with its depth map.
 
     Args:
-        generation: what the data set was asked to be.
+        generation: the data set.
         split: train, validation or unseen.
-        rows: of the picture or grid.
-        columns: of the picture or grid.
-        samples: paths of a pixel or an observation.
+        rows: of the picture.
+        columns: of the picture.
+        samples: paths of a pixel.
+
+    Returns:
+        8-bit sRGB image; in depth maps near is bright.
     """
     count = generation.scenes[split.value]
     indices = np.linspace(0, count - 1, min(rows * columns, count)).round().astype(int)

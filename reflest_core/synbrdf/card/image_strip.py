@@ -26,14 +26,17 @@ DARKER = 0.125
 def image_strip(
     generation: Generation, split: Split, indices: list[int], view: int, samples: int = 16
 ) -> NDArray[np.uint8]:
-    """8-bit sRGB image with a row for each scene; ``generation`` must have realism.
+    """Draw a row of images for each scene.
 
     Args:
-        generation: what the data set was asked to be.
+        generation: the data set, which must have realism.
         split: train, validation or unseen.
-        indices: of scenes.
+        indices: of the scenes.
         view: index of the view.
-        samples: paths of a pixel or an observation.
+        samples: paths of a pixel.
+
+    Returns:
+        8-bit sRGB image.
     """
     images = SceneImages(generation, *RENDERED, samples)
     rows = [_row(images, split, index, view) for index in indices]

@@ -20,9 +20,22 @@ FULL_SCALE = 255
 class SceneSummary:
     """Truth and capture of one scene.
 
-    ``rho_d``: linear sRGB, ``luminance`` its Rec. 709. ``clipped``: share of observations with a
-    channel at 255. ``observations``: a point, on average. ``diameter``, ``distance``: metres.
-    ``on_object``: share of a view's pixels.
+    Attributes:
+        split: Name of the split.
+        shape: Name of the shape.
+        environment: Name of the light.
+        view_pattern: How the views are spread.
+        rho_d: Linear sRGB, of the dominant material.
+        luminance: Rec. 709, of ``rho_d``.
+        rho_s: Specular strength.
+        alpha: Roughness.
+        contrast: ``c`` of the paper's Eq. 2.
+        exposure: Factor from radiance to the sensor's white.
+        clipped: Share of observations with a channel at 255.
+        observations: Of a point, on average.
+        diameter: Of the surface, metres.
+        distance: Of the cameras from the origin, on average, metres.
+        on_object: Share of a view's pixels.
     """
 
     split: str
@@ -69,10 +82,10 @@ class SceneSummary:
 
 
 def summarise(folder: Path, splits: tuple[str, ...]) -> list[SceneSummary]:
-    """All scenes of ``splits`` that a set holds, finished or not.
+    """Summarise all scenes of some splits that a set holds, finished or not.
 
     Args:
-        folder: of the data set, or to write into.
+        folder: of the data set.
         splits: names of splits.
     """
     found = [SceneSummary.of(scene) for split in splits for scene in load_scenes(folder, split)]

@@ -20,7 +20,7 @@ class ClusterError(ReflestError):
 
 @contextmanager
 def dask_cluster(address: str) -> Iterator[Executor]:
-    """Run tasks on the workers of the scheduler at ``address``, such as ``tcp://host:8786``.
+    """Run tasks on the workers of a Dask scheduler.
 
     Args:
         address: of the scheduler, such as ``tcp://host:8786``.

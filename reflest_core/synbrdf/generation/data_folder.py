@@ -13,13 +13,14 @@ from reflest_core.whole_file import write_whole
 
 
 def begin_manifest(folder: Path, manifest: dict[str, Any]) -> None:
-    """Make ``folder`` and its manifest, or see that what is there was begun alike.
-
-    Raises :class:`SceneFileError` where it cannot be made, is damaged, or differs.
+    """Make a folder and its manifest, or check that what is there was begun alike.
 
     Args:
-        folder: of the data set, or to write into.
+        folder: to write into.
         manifest: what the data set is and which code made it.
+
+    Raises:
+        SceneFileError: The folder cannot be made, is damaged, or differs.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -43,10 +44,13 @@ def begin_manifest(folder: Path, manifest: dict[str, Any]) -> None:
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:
-    """What the data set in ``folder`` is; :class:`SceneFileError` where there is none.
+    """Read what a data set is.
 
     Args:
-        folder: of the data set, or to write into.
+        folder: of the data set.
+
+    Raises:
+        SceneFileError: There is no manifest.
     """
     path = folder / MANIFEST
     if not path.is_file():

@@ -31,11 +31,11 @@ def generate(
     """Write every shard that is not there yet, then the manifest with the hashes of all.
 
     Only this process writes, each file whole: a killed run leaves whole shards, and the same call
-    goes on and ends with the same bytes, whoever the ``workers`` are.
+    goes on and ends with the same bytes, by any kind of workers.
 
     Args:
-        folder: of the data set, or to write into.
-        generation: what the data set was asked to be.
+        folder: to write into.
+        generation: the data set.
         workers: processes or a cluster, as a context.
     """
     generation.check_extra()
@@ -59,12 +59,18 @@ def generate(
 
 
 def render_agreed(generation: Generation, manifest: dict[str, Any], task: ShardTask) -> bytes:
-    """Render where code, libraries and sources are those of ``manifest``, else refuse.
+    """Render a shard, where code, libraries and sources are those of the manifest.
 
     Args:
-        generation: what the data set was asked to be.
+        generation: the data set.
         manifest: what the data set is and which code made it.
         task: one shard.
+
+    Returns:
+        The shard's bytes.
+
+    Raises:
+        WorkerError: This worker differs from the manifest.
     """
     own = generation.manifest()
     differing = sorted(key for key in manifest if own.get(key) != manifest[key])

@@ -12,12 +12,12 @@ class IndexRangeError(ReflestError):
 
 
 def parse_indices(text: str, count: int, what: str) -> list[int]:
-    """Indices below ``count``, in order, each once; ``what`` is named in errors.
+    """Parse indices, in order, each once.
 
     Args:
         text: such as ``0:10,25``.
         count: indices below it are allowed.
-        what: what is counted, for sentences.
+        what: what is counted, for error messages.
     """
     chosen: set[int] = set()
     for part in text.split(","):

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def process_pool(jobs: int) -> Iterator[Executor]:
-    """Run tasks in ``jobs`` processes, which end with this one, even where it is killed.
+    """Run tasks in processes that end with this one, even where it is killed.
 
     Args:
         jobs: processes.

@@ -23,14 +23,18 @@ def finished(
     made: Callable[[Task], bytes],
     tasks: Sequence[Task],
 ) -> Generator[tuple[Task, bytes]]:
-    """Tasks and what ``made`` makes of them; when this is closed, those not begun are given up.
-
-    Raises :class:`WorkerError` where a worker was ended from outside.
+    """Run tasks; when this is closed, those that are not begun are cancelled.
 
     Args:
         workers: processes or a cluster, as a context.
         made: makes the bytes of a task.
         tasks: shards to make.
+
+    Yields:
+        Each task with its bytes.
+
+    Raises:
+        WorkerError: A worker was ended from outside.
     """
     if not tasks:
         return

@@ -54,11 +54,14 @@ def read_cubemap(path: Path) -> NDArray[np.float32]:
 
 
 def look_up(faces: NDArray[np.float32], directions: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Radiance (..., 3) of the texel in each of the ``directions`` (..., 3), z up.
+    """Look up the texel in each direction.
 
     Args:
         faces: (6, N, N, 3) linear radiance.
-        directions: (N, 3) unit, world frame.
+        directions: (..., 3), world frame, z up.
+
+    Returns:
+        (..., 3) radiance.
     """
     # The cube's y is up, and its z points against ours.
     cube = np.stack([directions[..., 0], directions[..., 2], -directions[..., 1]])

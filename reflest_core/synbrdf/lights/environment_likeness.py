@@ -20,14 +20,14 @@ DARKEST = 0.01
 
 
 def likeness(one: NDArray[np.float32], other: NDArray[np.float32]) -> float:
-    """Correlation of log luminances less each row's mean, at the turn where it is greatest.
-
-    ``one``, ``other``: (H, 2 H, 3) linear radiance. Brightness does not count. -1 to 1; 0 where
-    one of them does not change along its rows.
+    """Correlate the log luminances of two maps, less each row's mean, at the best turn.
 
     Args:
-        one: (H, W, 3) linear radiance, equirectangular.
-        other: (H, W, 3) linear radiance, equirectangular.
+        one: (H, 2 H, 3) linear radiance, equirectangular.
+        other: (H, 2 H, 3) linear radiance, equirectangular.
+
+    Returns:
+        -1 to 1, whatever the brightness; 0 where one map is constant along its rows.
     """
     a, b = _pattern(one), _pattern(other)
     length = float(np.sqrt((a**2).sum() * (b**2).sum()))

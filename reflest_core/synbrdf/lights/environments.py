@@ -36,7 +36,13 @@ class EnvironmentUnreadable(ReflestError):
 
 @dataclass(frozen=True)
 class EnvironmentSource:
-    """One environment that :func:`load_environment` can read; no ``path``: a procedural sky."""
+    """One environment that :func:`load_environment` can read.
+
+    Attributes:
+        name: Of the environment.
+        path: Its file; None for a procedural sky.
+        member: Its name inside a collection.
+    """
 
     name: str
     path: Path | None = None
@@ -138,11 +144,11 @@ def resample(radiance: NDArray[np.float32], height: int) -> NDArray[np.float32]:
 
 
 def rotated(radiance: NDArray[np.float32], angle: float) -> NDArray[np.float32]:
-    """Turn the environment by ``angle`` radians about the world's z axis (anticlockwise).
+    """Turn an environment anticlockwise about the world's z axis.
 
     Args:
-        radiance: linear radiance.
-        angle: radians about the vertical.
+        radiance: (H, 2 H, 3) linear radiance, equirectangular.
+        angle: radians.
     """
     width = radiance.shape[1]
     columns = (np.arange(width) + angle / (2.0 * np.pi) * width) % width

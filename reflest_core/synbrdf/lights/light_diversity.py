@@ -29,7 +29,12 @@ MIXED_IN_SHARE = 0.25
 
 @dataclass(frozen=True)
 class DiverseLight:
-    """``radiance``: (H, 2 H, 3) float32. ``natural``: names of the environments in it, if any."""
+    """A drawn environment.
+
+    Attributes:
+        radiance: (H, 2 H, 3) float32, linear sRGB, equirectangular, z up.
+        natural: Names of the environments in it, if any.
+    """
 
     radiance: NDArray[np.float32]
     natural: tuple[str, ...]
@@ -38,11 +43,11 @@ class DiverseLight:
 def draw_diverse_light(
     rng: np.random.Generator, maps: Mapping[str, NDArray[np.float32]]
 ) -> DiverseLight:
-    """Draw an environment as large as ``maps``: by name, (H, 2 H, 3) linear radiance, z up.
+    """Draw an environment as large as the maps.
 
     Args:
         rng: random numbers; the same state draws the same.
-        maps: environments by name, (H, W, 3) linear radiance.
+        maps: (H, 2 H, 3) linear radiance of environments by name, equirectangular, z up.
     """
     names = list(maps)
     height = maps[names[0]].shape[0]

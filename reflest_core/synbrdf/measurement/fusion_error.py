@@ -31,7 +31,12 @@ SIGHT = 0.02
 
 @dataclass(frozen=True)
 class FusionError:
-    """``tilt``: (V,) degrees between fused and true normals. ``offset``: (V,) metres along them."""
+    """Differences between a fused surface and the true one, at V voxels.
+
+    Attributes:
+        tilt: (V,) degrees between fused and true normals.
+        offset: (V,) metres along the true normals.
+    """
 
     tilt: NDArray[np.float64]
     offset: NDArray[np.float64]
@@ -61,10 +66,10 @@ class FusionError:
 def measure(
     request: SequenceRequest, sensor: DepthSensor, tracking: Realism, voxel_size: float
 ) -> FusionError:
-    """Scan the object of ``request`` with exact colour, ``sensor``'s depth and tracked poses.
+    """Scan the object of a sequence with exact colour, measured depth and tracked poses.
 
     Args:
-        request: the sequence that was asked for.
+        request: the sequence.
         sensor: the depth camera.
         tracking: faults of poses.
         voxel_size: metres.

@@ -26,7 +26,7 @@ def shading_error(mesh: TriangleMesh) -> tuple[NDArray[np.float64], NDArray[np.f
 
 
 def poor_share(kind: str, seeds: range, degrees: float) -> float:
-    """Share of the area of shapes of ``kind`` whose error passes ``degrees``.
+    """Measure the share of a shape's area whose shading normal is far from its triangle's.
 
     Args:
         kind: of procedural shape.

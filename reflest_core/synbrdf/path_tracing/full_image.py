@@ -33,12 +33,16 @@ SUBPIXELS = 2
 
 @dataclass(frozen=True)
 class FullImage:
-    """``radiance``: (H, W, 3) float32, linear Rec. 709; the rest is exact at the pixel centres.
+    """An image of a scene; all but the radiance is exact at the pixel centres.
 
-    ``depth``: (H, W) float32, Z along the optical axis in metres, 0 where the environment is seen.
-    ``normals``: (H, W, 3) float32, unit, world frame, as shaded; 0 where depth is 0. ``cosines``:
-    (H, W) float32, between the normal and the direction to the camera. ``is_object``: (H, W) bool.
     In a room depth and normals are those of its walls, too, as far as a depth camera measures them.
+
+    Attributes:
+        radiance: (H, W, 3) float32, linear Rec. 709.
+        depth: (H, W) float32, Z along the optical axis in metres, 0 where the environment is seen.
+        normals: (H, W, 3) float32, unit, world frame, as shaded; 0 where depth is 0.
+        cosines: (H, W) float32, between the normal and the direction to the camera.
+        is_object: (H, W) bool.
     """
 
     radiance: NDArray[np.float32]
@@ -70,14 +74,14 @@ class FullImageRenderer:
         seed: int,
         room: Room | None = None,
     ) -> FullImage:
-        """Return the image of a Mitsuba scene that stands in ``environment``, or in a ``room``.
+        """Render an image.
 
         What is traced (the object and its outline; all of a room) is denoised; the environment has
         no noise.
 
         Args:
             rendered: the Mitsuba scene.
-            environment: (H, W, 3) linear radiance, equirectangular.
+            environment: (H, 2 H, 3) linear radiance, equirectangular.
             pose: (4, 4) ``T_world_camera``.
             seed: of the random numbers.
             room: the room that the object stands in; None for distant light.

@@ -22,11 +22,14 @@ MILLIMETRES = 1000.0
 
 
 def write_exr(path: Path, image: NDArray[np.float32]) -> None:
-    """(H, W, 3) float32 as it is; ``OSError`` if it cannot be written.
+    """Write an image in 32-bit floats.
 
     Args:
         path: the file.
-        image: (H, W, 3) pixels.
+        image: (H, W, 3) float32.
+
+    Raises:
+        OSError: It cannot be written.
     """
     try:
         mi.Bitmap(np.ascontiguousarray(image, np.float32)).write(str(path))
@@ -35,11 +38,11 @@ def write_exr(path: Path, image: NDArray[np.float32]) -> None:
 
 
 def write_rgb(path: Path, image: NDArray[np.uint8], quality: int | None = None) -> None:
-    """(H, W, 3) uint8 sRGB as .png, or .jpg of a ``quality``.
+    """Write an image as .png, or as .jpg.
 
     Args:
         path: the file.
-        image: (H, W, 3) pixels.
+        image: (H, W, 3) uint8 sRGB.
         quality: of JPEG, 1 to 100; None for PNG.
     """
     options = [] if quality is None else [cv2.IMWRITE_JPEG_QUALITY, quality]
@@ -47,7 +50,7 @@ def write_rgb(path: Path, image: NDArray[np.uint8], quality: int | None = None) 
 
 
 def write_depth(path: Path, depth: NDArray[np.float32]) -> None:
-    """(H, W) metres as a 16-bit .png in millimetres, 0 where unknown, as 7-Scenes and ROS do.
+    """Write depth as a 16-bit .png in millimetres, as 7-Scenes and ROS do.
 
     Args:
         path: the file.
@@ -57,7 +60,7 @@ def write_depth(path: Path, depth: NDArray[np.float32]) -> None:
 
 
 def write_mask(path: Path, mask: NDArray[np.bool_]) -> None:
-    """(H, W) as an 8-bit .png of 0 and 255.
+    """Write a mask as an 8-bit .png of 0 and 255.
 
     Args:
         path: the file.

@@ -51,7 +51,7 @@ def _llvm_library() -> str:
 
 
 def missing_package(package: str) -> RendererMissing:
-    """The error that names a ``package`` of the extra.
+    """Make the error that names a package of the extra.
 
     Args:
         package: its name on PyPI.

@@ -45,18 +45,19 @@ class MaterialsNotWritten(ReflestError):
 def write_scene(
     folder: Path, scene: Scene, camera: CameraIntrinsics, views: list[int], samples: int
 ) -> None:
-    """Write ``folder`` whole: the XML with one sensor a view, the mesh, the environment.
+    """Write a folder: the XML with one sensor for each view, the mesh, the environment.
 
     Args:
-        folder: of the data set, or to write into.
+        folder: to make.
         scene: the scene.
         camera: intrinsics.
         views: indices of views.
-        samples: paths of a pixel or an observation.
+        samples: paths of a pixel.
 
     Raises:
-        RoomNotWritten: if the scene stands in a room.
-        MaterialsNotWritten: if the scene has several materials.
+        RoomNotWritten: The scene stands in a room.
+        MaterialsNotWritten: The scene has several materials.
+        OutputError: The folder cannot be written.
     """
     if not scene.painted.is_uniform:
         raise MaterialsNotWritten(

@@ -73,16 +73,17 @@ class SceneImages:
         self.sparse = SparseRenderer(SparseSettings(views=generation.views))
 
     def write(self, out: Path, split: Split, index: int, views: list[int]) -> Path:
-        """Write ``out/SPLIT-INDEX`` with the ``views`` of one scene, unless it is there; whole.
+        """Write some views of one scene into ``out/SPLIT-INDEX``, unless they are there.
 
         Args:
-            out: folder to make.
+            out: folder of the scenes' folders.
             split: train, validation or unseen.
             index: of the scene within its split.
             views: indices of views.
 
         Raises:
-            ImagesRefused: if other images are there.
+            ImagesRefused: Other images are there.
+            OutputError: They cannot be written.
         """
         folder = out / f"{split.value}-{index:05d}"
         scene = self.generation.scene(split, index)

@@ -69,7 +69,12 @@ class SparseSettings:
 class Overview:
     """A scene as Mitsuba holds it, a small image of every view, and what is metered of them.
 
-    ``foreground``, ``background``: (W, 3) float32, F and B. ``exposure``: see ``SynbrdfScene``.
+    Attributes:
+        rendered: The Mitsuba scene.
+        exposure: Factor from radiance to the sensor's white.
+        thumbnails: The images.
+        foreground: (W, 3) float32, mean 8-bit colour of each view's object.
+        background: (W, 3) float32, of the rest.
     """
 
     rendered: Any

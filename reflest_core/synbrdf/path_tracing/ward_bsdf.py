@@ -186,11 +186,14 @@ class WardBSDF(mi.BSDF):  # type: ignore[misc]
 
 
 def specular_share(rho_d: NDArray[np.float64], rho_s: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Share (N,) of samples that go to the lobe of materials ``rho_d`` (N, 3), ``rho_s`` (N,).
+    """Compute the share of samples that go to the lobe.
 
     Args:
-        rho_d: diffuse albedo.
-        rho_s: specular strength.
+        rho_d: (N, 3) diffuse albedo.
+        rho_s: (N,) specular strength.
+
+    Returns:
+        (N,) in [0, 1].
     """
     luminance = 0.2126 * rho_d[:, 0] + 0.7152 * rho_d[:, 1] + 0.0722 * rho_d[:, 2]
     share = rho_s / np.maximum(rho_s + luminance, 1e-6)
@@ -201,7 +204,7 @@ mi.register_bsdf(PLUGIN, WardBSDF)
 
 
 def ward_bsdf(material: WardParameters) -> WardBSDF:
-    """Return the plugin for ``material``.
+    """Make the plugin for a material.
 
     Args:
         material: Ward parameters.

@@ -23,15 +23,16 @@ class SceneUnreadable(ReflestError):
 def render_xml(
     path: Path, sensor: int = 0, samples: int | None = None, seed: int = 0
 ) -> NDArray[np.float32]:
-    """Linear sRGB radiance (H, W, 3) of one of the file's sensors.
-
-    ``samples`` a pixel; None for what the file says.
+    """Render one of a file's sensors.
 
     Args:
         path: the file.
         sensor: index of the camera.
         samples: paths of a pixel; None keeps the file's.
         seed: of the random numbers.
+
+    Returns:
+        (H, W, 3) linear sRGB radiance.
     """
     if not path.is_file():
         raise SceneUnreadable(f"there is no Mitsuba scene at {path}")

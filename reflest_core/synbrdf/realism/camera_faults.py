@@ -21,7 +21,15 @@ from reflest_core.synbrdf.scenes.exposure import expose
 
 @dataclass(frozen=True)
 class CameraFaults:
-    """``gains``: (W, 3) on the exposure. ``poses``: (W, 4, 4) ``T_world_camera`` as tracked."""
+    """The faults of a camera over W views.
+
+    Attributes:
+        gains: (W, 3) factors on the exposure of red, green and blue.
+        noise: Of the sensor.
+        jpeg_quality: 1 to 100; 100 for none.
+        depth_sensor: Noise and holes of depth.
+        poses: (W, 4, 4) ``T_world_camera`` as tracked.
+    """
 
     gains: NDArray[np.float32]
     noise: SensorNoise
@@ -88,12 +96,12 @@ def draw_camera_faults(
     poses: NDArray[np.float64],
     streams: dict[Effect, np.random.Generator],
 ) -> CameraFaults:
-    """Draw the faults of W views; ``metered`` (W,) mean luminances, ``poses`` (W, 4, 4) true.
+    """Draw the faults of W views.
 
     Args:
         realism: which faults, and how strong.
-        metered: (V,) brightness that each view is metered by.
-        poses: (V, 4, 4) ``T_world_camera``.
+        metered: (W,) mean luminance of each view.
+        poses: (W, 4, 4) true ``T_world_camera``.
         streams: random numbers of each fault.
     """
     return CameraFaults(

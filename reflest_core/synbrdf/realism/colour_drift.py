@@ -19,14 +19,15 @@ MOST_STOPS = 2.0
 def draw_view_gains(
     realism: Realism, metered: NDArray[np.float64], streams: dict[Effect, np.random.Generator]
 ) -> NDArray[np.float32]:
-    """Factors (W, 3) on the scene's exposure for each view's red, green and blue.
-
-    ``metered`` (W,): each view's mean luminance. Views are in the order in which they were taken.
+    """Draw factors on the scene's exposure for each view's red, green and blue.
 
     Args:
         realism: which faults, and how strong.
-        metered: (V,) brightness that each view is metered by.
+        metered: (W,) mean luminance of each view, in the order in which they were taken.
         streams: random numbers of each fault.
+
+    Returns:
+        (W, 3) factors.
     """
     views = len(metered)
     stops = _exposure_stops(realism, metered, streams[Effect.EXPOSURE])

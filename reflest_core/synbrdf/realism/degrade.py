@@ -23,15 +23,15 @@ COLOUR_EFFECTS = (Effect.EXPOSURE, Effect.WHITE_BALANCE, Effect.SENSOR, Effect.J
 
 
 def degrade(scene: SynbrdfScene, realism: Realism, rng: np.random.Generator) -> SynbrdfScene:
-    """Return ``scene`` with the faults of ``realism``; equal generator states give equal scenes.
+    """Give a scene the faults of a real capture; equal generator states give equal scenes.
 
     Colours, F, B, thumbnails and ``radiance`` follow the drift of exposure and white balance;
     colours alone have noise and artefacts (F and B average them away). Poses and view centres are
     jittered, normals and positions are as fusion leaves them, and observations fall in holes of
-    the depth image. The truth and ``exposure`` stay. The scene given must not be degraded already.
+    the depth image. The truth and ``exposure`` stay.
 
     Args:
-        scene: the scene.
+        scene: the scene, not degraded yet.
         realism: which faults, and how strong.
         rng: random numbers; the same state draws the same.
     """

@@ -58,15 +58,16 @@ class DepthSensor:
         camera: CameraIntrinsics,
         rng: np.random.Generator,
     ) -> NDArray[np.float32]:
-        """Depth (H, W) in metres as measured; 0 where the truth ``depth`` is 0, and in holes.
-
-        ``cosines`` (H, W): between each pixel's ray and the normal there.
+        """Measure a depth image.
 
         Args:
-            depth: (H, W) metres, 0 where unknown.
-            cosines: (H, W) between view and normal.
+            depth: (H, W) true depth in metres, 0 where there is none.
+            cosines: (H, W) between each pixel's ray and the normal there.
             camera: intrinsics.
             rng: random numbers; the same state draws the same.
+
+        Returns:
+            (H, W) metres; 0 where the true depth is 0, and in holes.
         """
         if self.noise == 0.0 and self.holes == 0.0:
             return depth

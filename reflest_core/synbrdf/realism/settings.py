@@ -39,14 +39,20 @@ class Effect(enum.Enum):
 class Realism:
     """The most that each fault comes to; every scene draws its own degree evenly from 0 to that.
 
-    ``exposure_stops``: stddev of the exposure's wander over the views. ``metering``: share of the
-    difference between a view's own metering and the scene's that auto exposure makes up for.
-    ``white_balance``: stddev of the wander of the logarithm of red's and blue's gains.
-    ``shot_noise``, ``read_noise``: stddev of the linear signal at full scale (it falls as the
-    signal's square root), and at any signal, in units of full scale. ``jpeg_quality``: the
-    lowest, drawn evenly up to 95; 100 for none. ``depth_noise``, ``depth_holes``: multiples of
-    the sensor's own. ``pose_translation``: metres, ``pose_rotation``: degrees, stddev on each axis.
-    ``normal_noise``: multiple of what fusion was measured to give.
+    Attributes:
+        exposure_stops: Standard deviation of the exposure's wander over the views.
+        metering: Share of the difference between a view's own metering and the scene's that auto
+            exposure makes up for.
+        white_balance: Standard deviation of the wander of the logarithm of red's and blue's gains.
+        shot_noise: Standard deviation of the linear signal at full scale, in units of that; it
+            falls as the signal's square root.
+        read_noise: Standard deviation of any signal, in units of full scale.
+        jpeg_quality: The lowest, drawn evenly up to 95; 100 for none.
+        depth_noise: Multiple of the sensor's own.
+        depth_holes: Multiple of the sensor's own.
+        pose_translation: Standard deviation on each axis, metres.
+        pose_rotation: Standard deviation about each axis, degrees.
+        normal_noise: Multiple of what fusion was measured to give.
     """
 
     exposure_stops: float = 0.4
@@ -74,10 +80,10 @@ class Realism:
 
     @classmethod
     def only(cls, effects: Iterable[Effect]) -> Realism:
-        """The usual degrees of ``effects``; all others off. No effects: a perfect camera.
+        """Turn some faults on in their usual degrees, and all others off.
 
         Args:
-            effects: which ones.
+            effects: which ones; none for a perfect camera.
         """
         wanted = set(effects)
         off = {
@@ -89,7 +95,7 @@ class Realism:
         return cls(**off)  # type: ignore[arg-type]
 
     def is_on(self, effect: Effect) -> bool:
-        """Whether ``effect`` changes anything.
+        """Whether a fault changes anything.
 
         Args:
             effect: which one.

@@ -22,7 +22,13 @@ UNITS = np.where(np.arange(256) > 0, np.ldexp(1.0, np.arange(256) - 136), 0.0).a
 
 @dataclass(frozen=True)
 class ViewImages:
-    """``rgbe``: (W, H, W', 4) uint8. ``foreground``, ``background``: (W, 3) float32, F and B."""
+    """Small images of W views, and their mean colours.
+
+    Attributes:
+        rgbe: (W, H, W', 4) uint8, linear sRGB radiance.
+        foreground: (W, 3) float32, mean 8-bit colour of each view's object.
+        background: (W, 3) float32, of the rest.
+    """
 
     rgbe: NDArray[np.uint8]
     foreground: NDArray[np.float32]
@@ -39,12 +45,12 @@ def meter(thumbnails: Thumbnails) -> NDArray[np.float64]:
 
 
 def with_gains(thumbnails: Thumbnails, exposure: float, gains: NDArray[np.float32]) -> ViewImages:
-    """Scale every view's radiance by its ``gains`` (W, 3) and average what the camera shows.
+    """Scale every view's radiance and average what the camera shows.
 
     Args:
-        thumbnails: small images of all views.
+        thumbnails: small images of all W views.
         exposure: factor from radiance to the sensor's white.
-        gains: (V, 3) factors.
+        gains: (W, 3) factors.
     """
     return ViewImages(
         *_with_gains(

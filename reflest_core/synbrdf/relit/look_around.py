@@ -17,13 +17,11 @@ FRAMES = sum(count for _, count in RINGS)
 
 
 def look_around(environment: NDArray[np.float32], exposure: float) -> list[Background]:
-    """:data:`FRAMES` frames through the data set's camera, at a locked ``exposure``.
-
-    ``environment``: (H, W, 3) linear radiance, infinitely far (:mod:`.environments`).
+    """Take :data:`FRAMES` frames through the data set's camera.
 
     Args:
-        environment: (H, W, 3) linear radiance, equirectangular.
-        exposure: factor from radiance to the sensor's white.
+        environment: (H, 2 H, 3) linear radiance, equirectangular, infinitely far.
+        exposure: factor from radiance to the sensor's white, the same for all frames.
     """
     frames = []
     for elevation, count in RINGS:

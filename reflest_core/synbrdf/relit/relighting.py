@@ -40,11 +40,15 @@ class RelightingRefused(ReflestError):
 
 @dataclass(frozen=True)
 class Relighting:
-    """Each relightable training scene of the data set in ``source``, ``copies`` times.
+    """What to relight: each relightable training scene of a data set, some times over.
 
-    ``environments``, ``extra_environments``: as the source was generated with. Their unseen share
-    and what is named in ``without`` lights nothing. ``natural_share``: of the scenes are lit by one
-    environment as it is.
+    Attributes:
+        source: Folder of the data set.
+        copies: Of each scene.
+        environments: What the source was generated with; its unseen share lights nothing.
+        extra_environments: What the source was generated with.
+        without: Names of environments that light nothing.
+        natural_share: Share of scenes that are lit by one environment as it is.
     """
 
     source: Path
@@ -97,12 +101,11 @@ class Relighting:
 def relight(out: Path, relighting: Relighting, workers: AbstractContextManager[Executor]) -> None:
     """Write every shard that is not there yet; a killed run goes on where it was.
 
-    ``workers`` read the source themselves; only this process writes.
-
     Args:
         out: folder to make.
-        relighting: what was asked for.
-        workers: processes or a cluster, as a context.
+        relighting: what to relight.
+        workers: processes or a cluster, as a context; they read the source themselves, and only
+            this process writes.
     """
     if relighting.copies < 1:
         raise RelightingRefused(f"--copies is {relighting.copies}, but must be 1 or more")
@@ -142,15 +145,19 @@ class RelitShard:
 def relit_agreed(
     lights: list[EnvironmentSource], code: str, natural_share: float, task: RelitShard
 ) -> bytes:
-    """Every scene that Eq. 1 holds for; a shard may end with fewer than it began with.
-
-    Raises :class:`WorkerError` where this worker's ``code`` is another.
+    """Relight every scene of a shard that Eq. 1 holds for, which may be fewer than all.
 
     Args:
         lights: environments to draw from.
         code: fingerprint of the sources.
         natural_share: share of scenes under unmixed environments.
         task: one shard.
+
+    Returns:
+        The new shard's bytes.
+
+    Raises:
+        WorkerError: This worker has another code.
     """
     if source_fingerprint(RELIGHTING) != code:
         raise WorkerError("a worker has another code: install the same reflest on every machine")

@@ -72,11 +72,11 @@ def randomly_relit(
     rng: np.random.Generator,
     natural_share: float = NATURAL_SHARE,
 ) -> SynbrdfScene:
-    """``scene`` with another material, and another light made of ``maps`` (H, 2 H, 3), by name.
+    """Draw another material and another light for a scene.
 
     Args:
-        scene: the scene.
-        maps: environments by name, (H, W, 3) linear radiance.
+        scene: a relightable scene.
+        maps: (H, 2 H, 3) linear radiance of environments by name.
         rng: random numbers; the same state draws the same.
         natural_share: share of scenes under unmixed environments.
     """
@@ -99,16 +99,13 @@ def relit(
     environment: NDArray[np.float32],
     rng: np.random.Generator,
 ) -> SynbrdfScene:
-    """``scene`` of ``material`` under ``environment`` (H, 2 H, 3), linear sRGB, z up.
-
-    The scene must be relightable. ``rng`` draws which of a view's observations stand for the
-    object's pixels in its thumbnail.
+    """Give a scene another material and another light.
 
     Args:
-        scene: the scene.
+        scene: a relightable scene.
         material: Ward parameters.
-        environment: (H, W, 3) linear radiance, equirectangular.
-        rng: random numbers; the same state draws the same.
+        environment: (H, 2 H, 3) linear radiance, equirectangular, z up.
+        rng: draws which of a view's observations stand for the object's pixels in its thumbnail.
     """
     surface, thumbnails = scene.surface, scene.thumbnails
     light = _pyramid(environment)

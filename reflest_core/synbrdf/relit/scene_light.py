@@ -22,43 +22,46 @@ Background = tuple[NDArray[np.float32], NDArray[np.uint8]]
 
 
 def scene_light(
-    scene: SynbrdfScene, views: NDArray[np.int64], looks_away: Sequence[Background] = ()
+    scene: SynbrdfScene, views: NDArray[np.int64], background_frames: Sequence[Background] = ()
 ) -> ObservedLight:
-    """The environment as the background of ``views`` shows it, through 8-bit images.
+    """Gather the environment as the background of some views shows it, through 8-bit images.
 
     As :func:`.background_pixels` does live, background with depth is placed where the middle of the
     surface sees it, and what has none is taken to be infinitely far. The camera's exposure is
-    taken to be locked. ``looks_away``: frames that come after the views and show no object.
+    taken to be locked.
 
     Args:
         scene: the scene.
         views: (N,) indices; the order of the scan.
-        looks_away: backgrounds of views that look away from the object.
+        background_frames: frames that come after the views and show no object.
     """
     light = LightMap()
-    for directions, colours in (*backgrounds(scene, views), *looks_away):
+    for directions, colours in (*backgrounds(scene, views), *background_frames):
         light.add(directions, colours)
     return light.observed()
 
 
 def light_and_gains(
-    scene: SynbrdfScene, views: NDArray[np.int64], looks_away: Sequence[Background] = ()
+    scene: SynbrdfScene, views: NDArray[np.int64], background_frames: Sequence[Background] = ()
 ) -> tuple[ObservedLight, NDArray[np.float32]]:
-    """The same, view after view, with the exposure of each inferred from its background as live.
+    """Gather the same, and infer each view's exposure from its background as the live path does.
 
-    The object's own voxels, which live are asked where parallax blurs the background, are not.
-    The gains are of all W views of the scene, (W,); 1 for those that are not among ``views``.
+    Where parallax blurs the background, the live path infers it from the object's own voxels; this
+    does not.
 
     Args:
-        scene: the scene.
+        scene: the scene, of W views.
         views: (N,) indices; the order of the scan.
-        looks_away: backgrounds of views that look away from the object.
+        background_frames: frames that come after the views and show no object.
+
+    Returns:
+        The light, and (W,) gains; 1 for views that are not among ``views``.
     """
     gains = np.ones(len(scene.surface.view_centres), np.float32)
     light = LightMap()
     for view, (directions, colours) in zip(views, backgrounds(scene, views), strict=True):
         gains[view] = light.add_frame(directions, colours)
-    for directions, colours in looks_away:
+    for directions, colours in background_frames:
         light.add_frame(directions, colours)
     return light.observed(), gains
 
@@ -85,7 +88,7 @@ def room_light(scene: SynbrdfScene) -> KnownLight:
 
 
 def backgrounds(scene: SynbrdfScene, views: NDArray[np.int64]) -> list[Background]:
-    """What each of ``views`` shows beside the object.
+    """Collect what each view shows beside the object.
 
     Args:
         scene: the scene.
@@ -110,11 +113,14 @@ def _background(
 def background_directions(
     thumbnails: Thumbnails, object_centre: NDArray[np.floating]
 ) -> NDArray[np.float32]:
-    """Directions (W, 36, 48, 3), of any length, from ``object_centre`` (3,) to what is seen.
+    """Compute the directions from the object's middle to what each pixel shows.
 
     Args:
-        thumbnails: small images of all views.
+        thumbnails: small images of all W views.
         object_centre: (3,) metres.
+
+    Returns:
+        (W, 36, 48, 3), of any length.
     """
     poses = thumbnails.T_world_camera[:, None]
     towards = pixel_rays() @ thumbnails.T_world_camera[:, :3, :3].swapaxes(-1, -2)

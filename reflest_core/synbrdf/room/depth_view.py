@@ -17,10 +17,12 @@ from reflest_core.synbrdf.room.light_shapes import WINDOW
 
 @dataclass(frozen=True)
 class RoomSight:
-    """What R rays meet. ``is_object``: (R,) bool.
+    """What R rays meet.
 
-    ``depth``: (R,) float64, metres along the optical axis; 0 where none is measured, which is in
-    windows and beyond the camera's reach.
+    Attributes:
+        depth: (R,) float64, metres along the optical axis; 0 where none is measured, which is in
+            windows and beyond the camera's reach.
+        is_object: (R,) bool.
     """
 
     depth: NDArray[np.float64]
@@ -39,14 +41,14 @@ def room_sight(
     directions: NDArray[np.float32],
     forward: NDArray[np.floating],
 ) -> RoomSight:
-    """Look along rays (R, 3) of cameras whose optical axes are ``forward`` (R, 3).
+    """Look along rays of cameras.
 
     Args:
-        scene: the scene.
-        room: the room that the object stands in; None for distant light.
-        origins: (N, 3) metres.
-        directions: (N, 3) unit, world frame.
-        forward: (3,) optical axis, unit.
+        scene: the Mitsuba scene.
+        room: the room that the object stands in.
+        origins: (R, 3) metres.
+        directions: (R, 3) unit, world frame.
+        forward: (R, 3) optical axes, unit.
     """
     distance = first_hits(scene, origins, directions).astype(np.float64)
     shapes = first_shapes(scene, origins, directions)

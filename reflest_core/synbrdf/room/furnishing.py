@@ -29,7 +29,10 @@ MOST_BOXES = 8
 class Stage:
     """What a room must leave clear, in its own axes: the object at the origin, and all views of it.
 
-    ``cameras``: (W, 3). ``radius``: of the ball that holds the object. ``bottom``: its lowest z.
+    Attributes:
+        cameras: (W, 3) metres.
+        radius: Of the ball that holds the object, metres.
+        bottom: The object's lowest z, metres.
     """
 
     cameras: FloatArray
@@ -37,10 +40,10 @@ class Stage:
     bottom: float
 
     def is_clear(self, box: Box) -> bool:
-        """Whether ``box`` keeps off the object and stands in no view of it.
+        """Whether a box keeps off the object and stands in no view of it.
 
         Args:
-            box: axis-aligned box.
+            box: in the room's axes.
         """
         nearest = np.clip(np.zeros(3), box.low, box.high)
         if np.linalg.norm(nearest) < self.radius + SIGHT_MARGIN:

@@ -22,7 +22,10 @@ LIGHT_TEXELS = 24
 class Panel:
     """A rectangle that is seen from the side that ``across x up`` points to.
 
-    ``corner``: (3,). ``across``, ``up``: (3,) edges from it, at right angles to each other.
+    Attributes:
+        corner: (3,) metres.
+        across: (3,) edge from the corner, metres.
+        up: (3,) the other edge, at right angles.
     """
 
     corner: FloatArray
@@ -65,9 +68,12 @@ class Panel:
 
 @dataclass(frozen=True)
 class Surface:
-    """A matte panel. ``albedo``: (T, T, 3) float32, row 0 along ``across``.
+    """A matte panel.
 
-    ``texel``: metres, how finely the light on it is computed.
+    Attributes:
+        panel: Its rectangle.
+        albedo: (T, T, 3) float32, row 0 along ``across``.
+        texel: Metres, how finely the light on it is computed.
     """
 
     panel: Panel
@@ -79,7 +85,9 @@ class Surface:
 class PanelLight:
     """A panel that shines, each point of it alike to all sides of its front.
 
-    ``radiance``: (LIGHT_TEXELS, LIGHT_TEXELS, 3) float32, row 0 along ``across``.
+    Attributes:
+        panel: Its rectangle.
+        radiance: (LIGHT_TEXELS, LIGHT_TEXELS, 3) float32, row 0 along ``across``.
     """
 
     panel: Panel
@@ -88,7 +96,13 @@ class PanelLight:
 
 @dataclass(frozen=True)
 class Globe:
-    """A ball that shines. ``radiance``: (3,)."""
+    """A ball that shines.
+
+    Attributes:
+        centre: (3,) metres.
+        radius: Metres.
+        radiance: (3,) linear sRGB.
+    """
 
     centre: FloatArray
     radius: float
@@ -121,7 +135,12 @@ def even(radiance: FloatArray) -> NDArray[np.float32]:
 
 @dataclass(frozen=True)
 class Box:
-    """A box along the axes of the room. ``low``, ``high``: (3,)."""
+    """A box along the axes of the room.
+
+    Attributes:
+        low: (3,) metres.
+        high: (3,) metres.
+    """
 
     low: FloatArray
     high: FloatArray
@@ -149,11 +168,11 @@ class Box:
         ]
 
     def holds(self, points: FloatArray, margin: float) -> bool:
-        """Whether any of ``points`` (P, 3) lies in the box or within ``margin`` of it.
+        """Whether any point lies in the box or near it.
 
         Args:
-            points: (N, 3) metres.
-            margin: metres.
+            points: (P, 3) metres.
+            margin: metres around the box that count as within.
         """
         above, below = points > self.low - margin, points < self.high + margin
         return bool((above & below).all(axis=1).any())

@@ -91,11 +91,11 @@ mi.register_emitter(PLUGIN, Glow)
 
 
 def glow(radiance: NDArray[np.float32], weight: float) -> Any:
-    """The emitter of ``radiance`` (H, W, 3); shadow rays aim at it as ``weight`` says.
+    """Make an emitter.
 
     Args:
-        radiance: linear radiance.
-        weight: of the emitter in sampling.
+        radiance: (H, W, 3) linear sRGB.
+        weight: of the emitter, where shadow rays choose one.
     """
     return mi.load_dict({"type": PLUGIN, "radiance": texture(radiance), "sampling_weight": weight})
 

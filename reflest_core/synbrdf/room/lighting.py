@@ -114,12 +114,12 @@ def draw_window_panels(rng: np.random.Generator, room: Box) -> list[Panel]:
 
 
 def window(rng: np.random.Generator, panel: Panel, outside: NDArray[np.float32]) -> PanelLight:
-    """A pane that shows ``outside``, a lat-long map, as the origin sees it. World frame.
+    """Make a pane that shows an environment, as the origin sees it.
 
     Args:
         rng: random numbers; the same state draws the same.
-        panel: the rectangle.
-        outside: (H, W, 3) environment that the window shows.
+        panel: the rectangle, world frame.
+        outside: (H, 2 H, 3) environment, equirectangular.
     """
     towards = panel.grid(LIGHT_TEXELS, LIGHT_TEXELS).reshape(-1, 3)
     towards = towards / np.linalg.norm(towards, axis=1, keepdims=True)

@@ -16,15 +16,15 @@ PATTERN_SHARES = {"plain": 0.45, "stripes": 0.15, "tiles": 0.15, "pictures": 0.2
 def draw_paint(
     rng: np.random.Generator, brightness: tuple[float, float], chroma: float
 ) -> NDArray[np.float32]:
-    """Return albedo (TEXELS, TEXELS, 3), linear sRGB: plain or patterned, a little uneven.
-
-    ``brightness``: range of the ground colour. ``chroma``: standard deviation of the logarithms of
-    its channels.
+    """Draw an albedo: plain or patterned, a little uneven.
 
     Args:
         rng: random numbers; the same state draws the same.
-        brightness: least and most of the maximum channel.
-        chroma: most saturation.
+        brightness: range of the ground colour.
+        chroma: standard deviation of the logarithms of its channels.
+
+    Returns:
+        (TEXELS, TEXELS, 3) linear sRGB.
     """
     ground = rng.uniform(*brightness) * np.exp(rng.normal(0.0, chroma, 3))
     albedo = np.tile(ground, (TEXELS, TEXELS, 1))

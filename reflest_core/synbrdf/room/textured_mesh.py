@@ -19,11 +19,11 @@ def textured_mesh(
     bsdf: Any | None = None,
     emitter: Any | None = None,
 ) -> Any:
-    """Vertices (V, 3) in metres with their ``places`` (V, 2) in the texture; faces (F, 3).
+    """Make a textured mesh of Mitsuba's.
 
     Args:
-        vertices: (N, 3) metres.
-        places: (N, 2) texture coordinates.
+        vertices: (V, 3) metres.
+        places: (V, 2) texture coordinates.
         faces: (F, 3) vertex indices.
         bsdf: Mitsuba BSDF; None for black.
         emitter: Mitsuba emitter; None for none.

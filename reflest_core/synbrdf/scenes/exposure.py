@@ -19,14 +19,14 @@ class SceneTooDark(ReflestError):
 
 
 def auto_exposure(radiance: NDArray[np.float32], clipped_share: float = 0.1) -> float:
-    """Return the factor from linear radiance (..., 3) to the sensor's [0, 1].
+    """Choose the factor from linear radiance to the sensor's [0, 1].
 
-    The geometric mean of the luminance becomes middle grey, unless more than ``clipped_share`` of
-    the pixels would then pass 1; in that case exactly that share does.
+    The geometric mean of the luminance becomes middle grey, unless too many pixels would then pass
+    1; in that case exactly ``clipped_share`` of them do.
 
     Args:
-        radiance: linear radiance.
-        clipped_share: of pixels above white.
+        radiance: (..., 3) linear sRGB.
+        clipped_share: most pixels above white.
     """
     light = luminance(np.asarray(radiance, dtype=np.float64).reshape(-1, 3))
     brightest = float(np.quantile(light, 1.0 - clipped_share))

@@ -29,7 +29,7 @@ class OpenSurfacesLabel:
 def to_ward(
     label: OpenSurfacesLabel, variant: WardVariant = WardVariant.WARD_1992
 ) -> WardParameters:
-    """Return the Ward parameters (linear sRGB) that OpenSurfaces renders for ``label``.
+    """Compute the Ward parameters (linear sRGB) that OpenSurfaces renders for a label.
 
     ``rho_d`` is proportional to the colour with ``max(rho_d) = max(colour)^3``;
     ``alpha = 0.001 + (15 - doi) * 0.2 / 15``; ``rho_s`` inverts Eq. 2's contrast

@@ -26,13 +26,11 @@ class Metering(enum.Enum):
 
 
 def remetered(scene: SynbrdfScene, metering: Metering) -> SynbrdfScene:
-    """The scene as a camera of this ``metering`` would have exposed it: colours, F, B, exposure.
-
-    ``FRAME`` is how scenes are rendered and returns the scene itself.
+    """Expose a scene as a camera of another metering would have: colours, F, B, exposure.
 
     Args:
         scene: the scene.
-        metering: what the camera exposes for.
+        metering: what the camera exposes for; ``FRAME`` is how scenes are rendered.
     """
     if metering is Metering.FRAME:
         return scene

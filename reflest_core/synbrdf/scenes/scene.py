@@ -39,7 +39,13 @@ ROOM = "room"
 
 @dataclass(frozen=True)
 class Light:
-    """``radiance``: (H, 2 H, 3) float32 lat-long, linear sRGB. ``name``: its source(s)."""
+    """Light from infinitely far.
+
+    Attributes:
+        name: Its source, or sources joined by ``+``.
+        rotation: Radians about the vertical.
+        radiance: (H, 2 H, 3) float32, linear sRGB, equirectangular, z up.
+    """
 
     name: str
     rotation: float

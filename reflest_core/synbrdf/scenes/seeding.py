@@ -34,10 +34,10 @@ class Purpose(enum.Enum):
 
 
 def generator(seed: int, split: Split, index: int, purpose: Purpose) -> np.random.Generator:
-    """The stream for scene ``index`` of ``split`` in the data set of ``seed``.
+    """Make the stream of random numbers of one scene and purpose.
 
     Args:
-        seed: of the random numbers.
+        seed: of the data set.
         split: train, validation or unseen.
         index: of the scene within its split.
         purpose: what the numbers are for.

@@ -45,13 +45,13 @@ class Sources:
 def sources_of(
     split: Split, environments: list[EnvironmentSource], meshes: list[MeshSource], seed: int
 ) -> Sources:
-    """The split's share of all sources, drawn by ``seed``; needs at least two environments.
+    """Choose a split's share of all sources.
 
     Args:
         split: train, validation or unseen.
-        environments: all environments.
+        environments: all environments, two at least.
         meshes: all mesh files.
-        seed: of the random numbers.
+        seed: of the data set.
     """
     if len(environments) < 2:
         raise SplitError(

@@ -20,10 +20,12 @@ THUMBNAIL = CameraIntrinsics(48, 36, 39.4, 39.4, 23.5, 17.5)
 class Thumbnails:
     """One image of each of W views, through the intrinsics :data:`THUMBNAIL`.
 
-    ``rgbe``: (W, 36, 48, 4) uint8, linear sRGB radiance. ``is_object``: (W, 36, 48) bool, where
-    the object is; elsewhere the light itself is seen. ``T_world_camera``: (W, 4, 4) float32.
-    ``depth``: (W, 36, 48) uint16, millimetres along the optical axis as a depth camera sees them,
-    0 where it measures nothing; None where all that is not the object is infinitely far.
+    Attributes:
+        rgbe: (W, 36, 48, 4) uint8, linear sRGB radiance.
+        is_object: (W, 36, 48) bool; elsewhere the light itself is seen.
+        T_world_camera: (W, 4, 4) float32.
+        depth: (W, 36, 48) uint16, millimetres along the optical axis as a depth camera sees them, 0
+            where it measures nothing; None where all that is not the object is infinitely far.
     """
 
     rgbe: NDArray[np.uint8]

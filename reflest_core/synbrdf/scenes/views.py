@@ -43,14 +43,12 @@ def depth_camera(width: int, height: int) -> CameraIntrinsics:
 def look_at(
     centre: NDArray[np.float64], target: NDArray[np.float64], roll: float = 0.0
 ) -> NDArray[np.float64]:
-    """Return ``T_world_camera`` (4, 4) of an optical frame (z forward, x right, y down).
-
-    World z is up in the image but for ``roll`` in radians about the optical axis.
+    """Compute ``T_world_camera`` (4, 4) of an optical frame (z forward, x right, y down).
 
     Args:
         centre: (3,) camera centre, metres.
         target: (3,) point to look at, metres.
-        roll: radians about the optical axis.
+        roll: radians about the optical axis; at 0 world z is up in the image.
     """
     forward = (target - centre) / np.linalg.norm(target - centre)
     up = np.array([0.0, 0.0, 1.0]) if abs(forward[2]) < 0.999 else np.array([1.0, 0.0, 0.0])
@@ -68,15 +66,18 @@ def look_at(
 def draw_views(
     rng: np.random.Generator, count: int, object_diameter: float
 ) -> tuple[NDArray[np.float64], ViewPattern]:
-    """Draw ``count`` camera poses (count, 4, 4) that look at an object at the origin.
+    """Draw camera poses that look at an object at the origin.
 
     The camera stays 0.5 to 1.5 m away (never nearer than the object's diameter) and aims at a
     point near the object, as a hand does.
 
     Args:
         rng: random numbers; the same state draws the same.
-        count: how many.
+        count: of poses.
         object_diameter: metres.
+
+    Returns:
+        (count, 4, 4) ``T_world_camera``, and how the views are spread.
     """
     patterns = list(PATTERN_SHARES)
     pattern = patterns[rng.choice(len(patterns), p=list(PATTERN_SHARES.values()))]
@@ -95,7 +96,7 @@ def draw_views(
 
 
 def smooth_noise(rng: np.random.Generator, count: int, *channels: int) -> NDArray[np.float64]:
-    """Return a slow wander over ``count`` steps, roughly within [-1, 1]: a sum of sinusoids.
+    """Draw a slow wander, roughly within [-1, 1]: a sum of sinusoids.
 
     Args:
         rng: random numbers; the same state draws the same.

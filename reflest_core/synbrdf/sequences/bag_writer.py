@@ -28,7 +28,14 @@ ZSTD_LEVEL = 19
 
 @dataclass(frozen=True)
 class RecordedFrame:
-    """``rgb``: (H, W, 3) uint8 sRGB. ``depth_mm``: (H, W) uint16. ``pose``: T_world_camera."""
+    """A frame of a recording.
+
+    Attributes:
+        stamp_ns: Nanoseconds.
+        rgb: (H, W, 3) uint8 sRGB.
+        depth_mm: (H, W) uint16, millimetres, 0 where unknown.
+        pose: (4, 4) ``T_world_camera``.
+    """
 
     stamp_ns: int
     rgb: NDArray[np.uint8]
@@ -42,17 +49,16 @@ def write_bag(
     frames: Iterable[RecordedFrame],
     is_compressed: bool = True,
 ) -> None:
-    """Write the folder ``path``, which must not exist; the four messages of a frame share a stamp.
+    """Write a rosbag2 folder of an MCAP file; the four messages of a frame share a stamp.
 
     ``rgb8``, ``16UC1`` in millimetres, a pinhole ``CameraInfo`` and the pose of the camera's
-    optical frame in ``map``. Equal frames give equal bytes. Compression makes a bag small and slow
-    to write; one that is played on the spot does without.
+    optical frame in ``map``. Equal frames give equal bytes.
 
     Args:
-        path: the file.
+        path: the folder, which must not exist.
         camera: intrinsics.
         frames: images with poses, in order.
-        is_compressed: whether images are stored as PNG and JPEG.
+        is_compressed: whether the file's chunks are compressed, which is slow.
     """
     store = get_typestore(Stores.ROS2_JAZZY)
     writer = Writer(path, version=9, storage_plugin=StoragePlugin.MCAP)

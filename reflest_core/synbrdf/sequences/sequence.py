@@ -25,15 +25,16 @@ from reflest_core.whole_file import whole_folder
 
 
 def write_sequence(out: Path, request: SequenceRequest, command: str) -> None:
-    """Write the bag folder ``out``, whole or not at all; the same request gives the same bytes.
+    """Write a bag folder; the same request gives the same bytes.
 
     Args:
-        out: Folder to make.
-        request: What to render.
-        command: The command line, for the truth.
+        out: folder to make.
+        request: what to render.
+        command: the command line, for the truth.
 
     Raises:
-        SequenceRefused: If ``out`` exists.
+        SequenceRefused: The folder exists.
+        OutputError: It cannot be written.
     """
     if out.exists():
         raise SequenceRefused(f"{out} exists: delete it or choose another --out")

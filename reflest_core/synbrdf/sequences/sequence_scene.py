@@ -45,7 +45,19 @@ class SequenceRefused(ReflestError):
 class SequenceRequest:
     """What ``reflest synbrdf sequence`` was asked for; None lets the seed decide.
 
-    ``realism``: the faults of a real camera; None for a perfect one.
+    Attributes:
+        seed: Decides what nothing else decides.
+        frames: Images.
+        width: Pixels.
+        height: Pixels.
+        samples: Paths of a pixel, a multiple of 4.
+        rate: Frames a second.
+        material: Ward parameters.
+        materials: What a material is drawn from.
+        shape: Kind of procedural shape.
+        environments: Files of environment maps; None for procedural skies.
+        meshes: Files of meshes; None for procedural shapes.
+        realism: The faults of a real camera; None for a perfect one.
     """
 
     seed: int

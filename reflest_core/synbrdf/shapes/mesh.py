@@ -15,9 +15,12 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class TriangleMesh:
-    """``vertices``, ``normals``: (V, 3) float64, metres / unit length. ``faces``: (F, 3) int64.
+    """A mesh with shading normals; faces run anticlockwise seen from outside.
 
-    Faces run anticlockwise seen from outside.
+    Attributes:
+        vertices: (V, 3) float64, metres.
+        normals: (V, 3) float64, unit.
+        faces: (F, 3) int64, vertex indices.
     """
 
     vertices: FloatArray
@@ -36,11 +39,11 @@ class TriangleMesh:
         return 2.0 * float(np.linalg.norm(self.vertices, axis=1).max())
 
     def moved(self, rotation: FloatArray, diameter: float) -> TriangleMesh:
-        """Centre the bounding box at the origin, rotate (3, 3), and scale to ``diameter``.
+        """Centre the bounding box at the origin, rotate and scale.
 
         Args:
             rotation: (3, 3).
-            diameter: metres.
+            diameter: metres, afterwards.
         """
         vertices = (self.vertices - _box_centre(self.vertices)) @ rotation.T
         vertices = vertices - _box_centre(vertices)
@@ -48,7 +51,7 @@ class TriangleMesh:
         return TriangleMesh(vertices * scale, self.normals @ rotation.T, self.faces)
 
     def shifted(self, offset: FloatArray) -> TriangleMesh:
-        """The same at another place; ``offset`` (3,) in metres.
+        """Move the mesh.
 
         Args:
             offset: (3,) metres.
@@ -56,10 +59,10 @@ class TriangleMesh:
         return TriangleMesh(self.vertices + offset, self.normals, self.faces)
 
     def subdivided(self, longest: float) -> TriangleMesh:
-        """Split every face with an edge longer than ``longest`` metres into four, until none is.
+        """Split faces into four until no edge is too long.
 
         Args:
-            longest: longest edge, metres.
+            longest: edge, metres.
         """
         vertices, normals, faces = self.vertices, self.normals, self.faces
         while True:
@@ -84,15 +87,15 @@ class TriangleMesh:
 def with_crease_normals(
     vertices: FloatArray, faces: IntArray, crease_angle: float = 40.0
 ) -> TriangleMesh:
-    """Shade smoothly across edges flatter than ``crease_angle`` degrees and keep sharper ones.
+    """Shade smoothly across flat edges and keep sharper ones.
 
     A corner's normal is the area-weighted mean of those faces at its vertex that lie within the
-    angle of its own face; every corner becomes a vertex.
+    crease angle of its own face; every corner becomes a vertex.
 
     Args:
         vertices: (N, 3) metres.
         faces: (F, 3) vertex indices.
-        crease_angle: radians between faces from which on an edge is sharp.
+        crease_angle: degrees between faces from which on an edge is sharp.
     """
     faces = faces[np.linalg.norm(_face_vectors(vertices, faces), axis=1) > 0.0]
     weighted = _face_vectors(vertices, faces)

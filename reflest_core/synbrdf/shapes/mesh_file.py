@@ -31,7 +31,13 @@ class MeshUnreadable(ReflestError):
 
 @dataclass(frozen=True)
 class MeshSource:
-    """One mesh that :func:`load_mesh` can read. ``member``: its name inside a collection."""
+    """One mesh that :func:`load_mesh` can read.
+
+    Attributes:
+        name: Of the mesh.
+        path: Its file.
+        member: Its name inside a collection.
+    """
 
     name: str
     path: Path

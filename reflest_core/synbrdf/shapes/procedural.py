@@ -28,11 +28,14 @@ DIAMETERS = (0.15, 0.5)
 
 
 def draw_procedural(rng: np.random.Generator, kind: str | None = None) -> tuple[TriangleMesh, str]:
-    """Draw a shape of ``kind`` (any kind if None), unplaced; return it with its kind.
+    """Draw a shape, unplaced.
 
     Args:
         rng: random numbers; the same state draws the same.
         kind: of shape; None draws one.
+
+    Returns:
+        The mesh and its kind.
     """
     chosen = kind or list(KINDS)[int(rng.integers(len(KINDS)))]
     return KINDS[chosen](rng), chosen

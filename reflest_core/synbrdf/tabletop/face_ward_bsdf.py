@@ -28,7 +28,7 @@ class FaceWardBSDF(WardBSDF):
     """
 
     def set_faces(self, painted: PaintedMesh) -> None:
-        """Take the materials of ``painted``, whose mesh the BSDF must be of.
+        """Take the materials of the mesh that the BSDF is of.
 
         Args:
             painted: a mesh with a material for each face.
@@ -59,7 +59,7 @@ mi.register_bsdf(PLUGIN, FaceWardBSDF)
 
 
 def face_ward_bsdf(painted: PaintedMesh) -> FaceWardBSDF:
-    """The plugin for the faces of ``painted``.
+    """Make the plugin for the faces of a mesh.
 
     Args:
         painted: a mesh with a material for each face.

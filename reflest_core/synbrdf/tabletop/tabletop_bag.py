@@ -88,7 +88,7 @@ class TabletopRequest:
 
 
 def write_tabletop(out: Path, request: TabletopRequest, command: str) -> None:
-    """Write the bag folder ``out``, whole or not at all; the same request gives the same bytes.
+    """Write a bag folder; the same request gives the same bytes.
 
     Args:
         out: Folder to make.
@@ -96,7 +96,8 @@ def write_tabletop(out: Path, request: TabletopRequest, command: str) -> None:
         command: The command line, for the truth.
 
     Raises:
-        SequenceRefused: If ``out`` exists.
+        SequenceRefused: The folder exists.
+        OutputError: It cannot be written.
     """
     if out.exists():
         raise SequenceRefused(f"{out} exists: delete it or choose another --out")

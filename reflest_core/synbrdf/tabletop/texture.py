@@ -41,10 +41,13 @@ class Texture:
     phases: FloatArray
 
     def share(self, points: FloatArray) -> FloatArray:
-        """Share (N,) of the second colour at ``points`` (N, 3).
+        """Compute the share of the second colour.
 
         Args:
             points: (N, 3) metres.
+
+        Returns:
+            (N,) in [0, 1].
         """
         place = points @ self.axes.T / self.cell
         if self.kind == "checker":
@@ -64,13 +67,13 @@ class Texture:
 def draw_texture(
     rng: np.random.Generator, materials: Materials, axes: FloatArray, rho_s: float
 ) -> Texture:
-    """Draw a pattern for a material of ``rho_s``; its second colour keeps within energy.
+    """Draw a pattern; its second colour keeps within energy.
 
     Args:
         rng: random numbers; the same state draws the same.
-        materials: the source of materials.
-        axes: (2, 3) directions of the texture.
-        rho_s: specular strength.
+        materials: what its second colour is drawn from.
+        axes: (3, 3) axes of the pattern, in rows.
+        rho_s: specular strength of the material.
     """
     kind = KINDS[int(rng.integers(len(KINDS)))]
     cell = TEXEL * int(rng.integers(round(CELLS[0] / TEXEL), round(CELLS[1] / TEXEL) + 1))
@@ -82,7 +85,7 @@ def draw_texture(
 def one_material(
     mesh: TriangleMesh, named: NamedMaterial, part: str, texture: Texture | None = None
 ) -> PaintedMesh:
-    """A mesh of one material, its albedo patterned by ``texture``.
+    """Paint a mesh with one material, its albedo patterned or plain.
 
     Args:
         mesh: In the frame of the texture's axes.

@@ -21,7 +21,7 @@ def scanned(
     scene: SynbrdfScene,
     views: NDArray[np.int64],
     is_exposure_locked: bool = False,
-    looks_away: Sequence[Background] = (),
+    background_frames: Sequence[Background] = (),
 ) -> ObservedSurface:
     """Make the surface and the light behind it as a live scan from some views would have them.
 
@@ -31,12 +31,12 @@ def scanned(
         scene: The whole scene.
         views: Indices of the views that show the surface.
         is_exposure_locked: There are no changes of exposure; this spares the search for them.
-        looks_away: Frames beside the object that show more of the light.
+        background_frames: Frames beside the object that show more of the light.
     """
     surface = keep_views(scene.surface, views)
     if is_exposure_locked:
-        return dataclasses.replace(surface, light=scene_light(scene, views, looks_away))
-    light, gains = light_and_gains(scene, views, looks_away)
+        return dataclasses.replace(surface, light=scene_light(scene, views, background_frames))
+    light, gains = light_and_gains(scene, views, background_frames)
     return dataclasses.replace(
         surface,
         light=light,
