@@ -12,6 +12,9 @@ from array_api_compat import array_namespace
 from reflest_core.brdf.lab import lab_to_rgb, luminance, rgb_to_lab
 from reflest_core.brdf.parameters import (
     ALPHA,
+    CONTRAST,
+    DISTINCTNESS,
+    LAB,
     RHO_D,
     RHO_S,
     LabCdParameters,
@@ -79,9 +82,9 @@ def labcd_to_ward(labcd: Array) -> Array:
         (..., 5) in the order of :data:`.parameters.PARAMETERS`; colours are not clipped.
     """
     xp = array_namespace(labcd)
-    rho_d = lab_to_rgb(labcd[..., :3])
-    rho_s = specular_strength(xp.clip(luminance(rho_d), 0, None), labcd[..., 3])
-    gloss = xp.stack([rho_s, 1 - labcd[..., 4]], axis=-1)
+    rho_d = lab_to_rgb(labcd[..., LAB])
+    rho_s = specular_strength(xp.clip(luminance(rho_d), 0, None), labcd[..., CONTRAST])
+    gloss = xp.stack([rho_s, 1 - labcd[..., DISTINCTNESS]], axis=-1)
     return xp.concat([rho_d, gloss], axis=-1)
 
 

@@ -27,6 +27,8 @@ from reflest_core.brdf.parameters import (
 )
 
 Array = Any
+BASE, F0, WIDTH = slice(0, 3), 3, 4
+"""Where a vector of :class:`Ggx` holds its parameters."""
 
 
 @dataclass(frozen=True)
@@ -187,10 +189,10 @@ class Ggx:
         Returns:
             (..., 3) in 1/sr; 0 where a direction lies below the surface.
         """
-        fresnel = _schlick(material[..., 3], omega_i, omega_o)
+        fresnel = _schlick(material[..., F0], omega_i, omega_o)
         above = (omega_i[..., 2] > 0) & (omega_o[..., 2] > 0)
-        diffuse = material[..., :3] * (1 - fresnel)[..., None] / math.pi
-        lobe = fresnel * ggx_lobe(material[..., 4], omega_i, omega_o)
+        diffuse = material[..., BASE] * (1 - fresnel)[..., None] / math.pi
+        lobe = fresnel * ggx_lobe(material[..., WIDTH], omega_i, omega_o)
         return np.where(above[..., None], diffuse + lobe[..., None], 0.0)
 
     def sample(self, material: Array, omega_o: Array, u: Array) -> tuple[Array, Array]:
@@ -204,11 +206,11 @@ class Ggx:
         Returns:
             (..., 3) directions and (...) their weights ``f_s cos theta_i / density``.
         """
-        omega_i = sample_ggx(material[4], omega_o, u)
-        reflected = _schlick(material[3], omega_i, omega_o) * ggx_lobe(
-            material[4], omega_i, omega_o
+        omega_i = sample_ggx(material[WIDTH], omega_o, u)
+        reflected = _schlick(material[F0], omega_i, omega_o) * ggx_lobe(
+            material[WIDTH], omega_i, omega_o
         )
-        density = ggx_density(material[4], omega_i, omega_o)
+        density = ggx_density(material[WIDTH], omega_i, omega_o)
         return omega_i, reflected * np.clip(omega_i[..., 2], 0, None) / density
 
     def albedo(
@@ -224,7 +226,8 @@ class Ggx:
             (K, 3) the reflected share.
         """
         specular = _specular_albedo(self, material, cos_theta_o)
-        return np.asarray(specular[:, None] + material[:3] * self._passed(material[3], cos_theta_o))
+        diffuse = material[BASE] * self._passed(material[F0], cos_theta_o)
+        return np.asarray(specular[:, None] + diffuse)
 
     @staticmethod
     def _passed(f0: float, cos_theta_o: NDArray[np.float64]) -> NDArray[np.float64]:

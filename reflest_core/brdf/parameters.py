@@ -17,6 +17,13 @@ RHO_S = 3
 ALPHA = 4
 """Where a Ward vector holds the roughness."""
 
+LAB = slice(0, 3)
+"""Where a vector of Lab and gloss holds CIE L*a*b*."""
+CONTRAST = 3
+"""Where a vector of Lab and gloss holds ``c``."""
+DISTINCTNESS = 4
+"""Where a vector of Lab and gloss holds ``d``."""
+
 SMALLEST_ALPHA = 0.001
 """The roughness of the glossiest OpenSurfaces material (``doi`` = 15)."""
 

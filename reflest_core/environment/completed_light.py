@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from reflest_core.brdf.lab import LUMINANCE_WEIGHTS
 from reflest_core.inference.material import explain
-from reflest_core.light.completion import complete, halved_to
+from reflest_core.light.completion import RADIANCE, complete, halved_to
 from reflest_core.light.light_map import ObservedLight
 from reflest_core.light.octahedral import octahedral_directions, octahedral_solid_angles
 from reflest_core.surface.observed_surface import ObservedSurface
@@ -46,8 +46,8 @@ def completed_light(surface: ObservedSurface) -> NDArray[np.float32]:
     found = explain(surface, light)
     smooth, explained = found.filled.levels[0], found.light.levels[0]
     is_unseen = light.coverage == 0.0
-    brightness = _averaged(explained[..., :3] @ LUMINANCE_WEIGHTS, is_unseen)
-    scale = brightness / np.maximum(smooth[..., :3] @ LUMINANCE_WEIGHTS, 1e-6)
+    brightness = _averaged(explained[..., RADIANCE] @ LUMINANCE_WEIGHTS, is_unseen)
+    scale = brightness / np.maximum(smooth[..., RADIANCE] @ LUMINANCE_WEIGHTS, 1e-6)
     completed = explained.copy()
     completed[is_unseen, :3] = smooth[is_unseen, :3] * scale[is_unseen, None]
     return _with_clipped(completed, light)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.environment.completed_light import completed_light
+from reflest_core.light.completion import CLIPPED, RADIANCE, SEEN
 from reflest_core.light.equirectangular import equirectangular_directions
 from reflest_core.light.octahedral import octahedral_texels
 from reflest_core.surface.observed_surface import ObservedSurface
@@ -65,10 +66,10 @@ def from_octahedral(light: NDArray[np.float32], height: int = HEIGHT) -> Environ
         The equirectangular map.
     """
     looked_up = light.reshape(-1, light.shape[-1])[_texels(height, len(light))].mean(axis=2)
-    coverage = looked_up[..., 3]
-    clipped = looked_up[..., 4] / np.maximum(coverage, 1e-6)
+    coverage = looked_up[..., SEEN]
+    clipped = looked_up[..., CLIPPED] / np.maximum(coverage, 1e-6)
     return EnvironmentMap(
-        np.ascontiguousarray(looked_up[..., :3]), np.ascontiguousarray(coverage), clipped
+        np.ascontiguousarray(looked_up[..., RADIANCE]), np.ascontiguousarray(coverage), clipped
     )
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.brdf.parameters import SMALLEST_ALPHA
+from reflest_core.brdf.parameters import ALPHA, RHO_D, RHO_S, SMALLEST_ALPHA
 
 
 def physical_ward(ward: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -22,8 +22,8 @@ def physical_ward(ward: NDArray[np.float64]) -> NDArray[np.float64]:
     Returns:
         (5,) the same, physical.
     """
-    rho_d = np.clip(ward[:3], 0.0, 1.0)
-    rho_s = max(float(ward[3]), 0.0)
-    alpha = max(float(ward[4]), SMALLEST_ALPHA)
+    rho_d = np.clip(ward[RHO_D], 0.0, 1.0)
+    rho_s = max(float(ward[RHO_S]), 0.0)
+    alpha = max(float(ward[ALPHA]), SMALLEST_ALPHA)
     energy = max(float(rho_d.max()) + rho_s, 1.0)
     return np.array([*(rho_d / energy), rho_s / energy, alpha])

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf.parameters import ALPHA, RHO_D, RHO_S
 from reflest_core.estimation.physical_ward import physical_ward
 from reflest_core.inference.gloss.network_update import with_posterior
 from reflest_core.inference.gloss.posterior import GlossPosterior, gloss_posterior
@@ -19,6 +20,7 @@ from reflest_core.inference.photometric_error import photometric_error
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.inference.transport.surface_irradiance import SurfaceSight, surface_irradiance
 from reflest_core.inference.voxel_albedo import Gloss, VoxelAlbedo, voxel_albedo
+from reflest_core.light.completion import RADIANCE
 from reflest_core.models.predictor import Prediction
 from reflest_core.surface.diffuse_colours import diffuse_colours
 from reflest_core.surface.observed_surface import ObservedSurface
@@ -74,7 +76,7 @@ class SceneEstimates:
         self._surface, self._light = surface, light
         self._gloss_voxels, self._information = gloss_voxels, gloss_information
         self._sight = sight or _sight(surface, light)
-        self._irradiance = surface_irradiance(light.completed, self._sight)[:, :3]
+        self._irradiance = surface_irradiance(light.completed, self._sight)[:, RADIANCE]
 
     @cached_property
     def _rated(self) -> RatedSurface:
@@ -122,15 +124,15 @@ class SceneEstimates:
             ward, stddev = with_posterior(ward, stddev, gloss)
         _, inferred, _ = light.inferred[material_id]
         if joint is None:
-            found = self._scaled(self._albedo(voxels, ward), ward[:3])
+            found = self._scaled(self._albedo(voxels, ward), ward[RHO_D])
         else:
             rho_s, rho_s_stddev = joint.gloss_of(voxels)
-            ward[3] = rho_s
+            ward[RHO_S] = rho_s
             found = self._albedo(voxels, ward)
-            ward = physical_ward(np.concatenate([_trimmed_mean(found.rho_d), ward[3:]]))
+            ward = physical_ward(np.concatenate([_trimmed_mean(found.rho_d), ward[RHO_S:]]))
             if stddev is not None:
-                of_albedo = ward[:3] * inferred.deviation
-                stddev = np.concatenate([of_albedo, [rho_s_stddev], stddev[4:]])
+                of_albedo = ward[RHO_D] * inferred.deviation
+                stddev = np.concatenate([of_albedo, [rho_s_stddev], stddev[ALPHA:]])
         error = photometric_error(
             self._surface,
             voxels,
@@ -164,7 +166,7 @@ def _sight(surface: ObservedSurface, light: SceneLight) -> SurfaceSight:
 
 
 def _gloss(ward: NDArray[np.float64]) -> Gloss:
-    return Gloss(float(ward[3]), float(ward[4]))
+    return Gloss(float(ward[RHO_S]), float(ward[ALPHA]))
 
 
 def _trimmed_mean(values: NDArray[np.float32]) -> NDArray[np.float64]:

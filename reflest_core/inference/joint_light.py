@@ -27,7 +27,14 @@ from reflest_core.inference.transport.patch_grid import (
 from reflest_core.inference.transport.reflected_patches import scene_reflection
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.inference.transport.ward_lobe import lobe_radiance
-from reflest_core.light.completion import LightPyramid, complete, levels_below
+from reflest_core.light.completion import (
+    CLIPPED,
+    RADIANCE,
+    SEEN,
+    LightPyramid,
+    complete,
+    levels_below,
+)
 from reflest_core.light.cosine_weights import cosine_weights
 from reflest_core.light.light_map import ObservedLight
 from reflest_core.surface.observed_surface import ObservedSurface
@@ -100,7 +107,8 @@ class JointLight:
         unseen, excess = self._images(self.factor_deviations, size)
         is_unseen = 1.0 - fine[..., 3:4]
         return np.asarray(
-            np.hypot(is_unseen * fine[..., :3] * unseen, self.filled.excess * excess), np.float32
+            np.hypot(is_unseen * fine[..., RADIANCE] * unseen, self.filled.excess * excess),
+            np.float32,
         )
 
     def patch_deviation(self) -> NDArray[np.float32]:
@@ -108,7 +116,7 @@ class JointLight:
         size = len(self.light.levels[0])
         texels = texels_of_patches(size)
         squares = (self.deviation() ** 2).reshape(-1, 3)[texels].mean(axis=1)
-        mean = self.light.levels[0][..., :3].reshape(-1, 3)[texels].mean(axis=1)
+        mean = self.light.levels[0][..., RADIANCE].reshape(-1, 3)[texels].mean(axis=1)
         return np.asarray(np.sqrt(squares) / np.maximum(mean, LEAST_RADIANCE), np.float32)
 
     @staticmethod
@@ -133,7 +141,7 @@ def complete_by(
     unseen, excess = JointLight._images(factors, len(fine))
     bright = observed.radiance + excess * filled.excess
     is_seen = observed.coverage[..., None] > 0.0
-    radiance = np.where(is_seen, bright, fine[..., :3] * unseen)
+    radiance = np.where(is_seen, bright, fine[..., RADIANCE] * unseen)
     finest = np.concatenate([radiance, fine[..., 3:]], axis=-1).astype(np.float32)
     return levels_below(finest, filled.excess)
 
@@ -184,8 +192,8 @@ class JointInference:
             self._sight.of(sample.voxel_of),
         )
         if light is not None:
-            lobes[..., 3] = COMPLETED_TRUST + (1.0 - COMPLETED_TRUST) * lobes[..., 3]
-            lobes[..., 4] = 0.0
+            lobes[..., SEEN] = COMPLETED_TRUST + (1.0 - COMPLETED_TRUST) * lobes[..., SEEN]
+            lobes[..., CLIPPED] = 0.0
         segment_of = self._segment_of_voxel[sample.voxel_of]
         fits: list[GlossFit | None] = []
         rho_s = np.zeros(self.segments)

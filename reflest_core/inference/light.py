@@ -20,7 +20,7 @@ from reflest_core.inference.transport.patch_grid import patch_image
 from reflest_core.inference.transport.reflected_patches import reflection
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.inference.transport.visibility import Occluders
-from reflest_core.light.completion import LightPyramid, complete, levels_below
+from reflest_core.light.completion import RADIANCE, LightPyramid, complete, levels_below
 from reflest_core.light.light_map import SIZE, ObservedLight
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import UNASSIGNED, Partition
@@ -158,7 +158,7 @@ def complete_by(
     fine = filled.levels[0]
     size = len(fine)
     bright = observed.radiance + patch_image(found.excess, size) * filled.excess
-    fill = fine[..., :3] * patch_image(found.unseen, size)
+    fill = fine[..., RADIANCE] * patch_image(found.unseen, size)
     radiance = np.where(observed.coverage[..., None] > 0.0, bright, fill)
     finest = np.concatenate([radiance, fine[..., 3:]], axis=-1).astype(np.float32)
     return levels_below(finest, filled.excess)

@@ -19,7 +19,7 @@ from reflest_core.inference.transport.reflected_detail import reflected_detail
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.inference.transport.visibility import Occluders
 from reflest_core.inference.transport.ward_lobe import ROUGHNESSES, lobe_radiance
-from reflest_core.light.completion import LightPyramid
+from reflest_core.light.completion import RADIANCE, LightPyramid
 from reflest_core.light.light_map import ObservedLight
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import WHOLE
@@ -143,7 +143,9 @@ def _fitted(
     evidence: MaterialEvidence, light: LightPyramid
 ) -> tuple[MaterialFit, NDArray[np.float32]]:
     sample, sight = evidence.sample.every(FITTED), evidence.sight_of_sample
-    diffuse = np.maximum(weighted_radiance(light, evidence.incoming_of_sample)[:, :3], DARKEST)
+    diffuse = np.maximum(
+        weighted_radiance(light, evidence.incoming_of_sample)[:, RADIANCE], DARKEST
+    )
     lobes = lobe_radiance(
         light, sample.normals[sample.voxel_of], sample.directions, sight.of(sample.voxel_of)
     )
@@ -151,7 +153,7 @@ def _fitted(
     brightness = np.minimum(of_observation / np.maximum(diffuse.mean(axis=0), DARKEST), 1.0)
     fit = fit_material(
         np.asarray(sample.colours / of_observation, np.float32),
-        np.asarray(lobes[..., :3] / of_observation[:, None], np.float32),
+        np.asarray(lobes[..., RADIANCE] / of_observation[:, None], np.float32),
         np.where(sample.clipped, np.float32(0.0), brightness),
     )
     return fit, lobes

@@ -14,8 +14,8 @@ from reflest_core.light.octahedral import octahedral_solid_angles
 
 TRUSTED_SHARE = 0.3
 """A texel of a coarser level of which this much was seen needs no help of the next."""
-
-
+RADIANCE, SEEN, CLIPPED = slice(0, 3), 3, 4
+"""Channels of a :class:`LightPyramid`'s levels, and of what is averaged over them."""
 PARTLY = 0.05
 """Radiance beyond white where one or two channels were clipped, in units of that where all three
 were: in backgrounds of SynBRDF's training scenes 0.1 to 0.9 against 9 to 12 of it, in the mean.
@@ -51,13 +51,15 @@ def complete(light: ObservedLight) -> LightPyramid:
     while len(pulled[-1]) % 2 == 0:
         pulled.append(halved(pulled[-1]))
     coarsest = pulled[-1]
-    total = np.maximum(coarsest[..., 3:].sum(axis=(0, 1)), 1e-9)
-    filled = np.broadcast_to(coarsest[..., :3].sum(axis=(0, 1)) / total, (*coarsest.shape[:2], 3))
+    total = np.maximum(coarsest[..., SEEN:].sum(axis=(0, 1)), 1e-9)
+    filled = np.broadcast_to(
+        coarsest[..., RADIANCE].sum(axis=(0, 1)) / total, (*coarsest.shape[:2], 3)
+    )
     for level in reversed(pulled):
         if len(level) > len(filled):
             filled = smoothed(np.repeat(np.repeat(filled, 2, axis=0), 2, axis=1))
-        trust = np.minimum(level[..., 3:] / TRUSTED_SHARE, 1.0)
-        seen = level[..., :3] / np.maximum(level[..., 3:], 1e-9)
+        trust = np.minimum(level[..., SEEN:] / TRUSTED_SHARE, 1.0)
+        seen = level[..., RADIANCE] / np.maximum(level[..., SEEN:], 1e-9)
         filled = trust * seen + (1.0 - trust) * filled
     excess = excess_shape(light)
     red, green, blue = np.moveaxis(excess, -1, 0)
@@ -98,7 +100,7 @@ def levels_below(
     levels = [finest]
     while len(levels[-1]) % 2 == 0:
         levels.append(halved(levels[-1]))
-    return LightPyramid(levels, np.zeros_like(finest[..., :3]) if excess is None else excess)
+    return LightPyramid(levels, np.zeros_like(finest[..., RADIANCE]) if excess is None else excess)
 
 
 def halved(level: NDArray[np.float32]) -> NDArray[np.float32]:

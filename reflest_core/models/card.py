@@ -70,9 +70,9 @@ class Calibration:
         correlation: (5, 5), of errors divided by calibrated deviations.
     """
 
-    factors: NDArray[np.float64] = field(default_factory=lambda: np.ones(5))
-    powers: NDArray[np.float64] = field(default_factory=lambda: np.ones(5))
-    correlation: NDArray[np.float64] = field(default_factory=lambda: np.eye(5))
+    factors: NDArray[np.float64] = field(default_factory=lambda: np.ones(len(WARD_NAMES)))
+    powers: NDArray[np.float64] = field(default_factory=lambda: np.ones(len(WARD_NAMES)))
+    correlation: NDArray[np.float64] = field(default_factory=lambda: np.eye(len(WARD_NAMES)))
 
     def calibrated(self, deviations: NDArray[np.float64]) -> NDArray[np.float64]:
         """Calibrate deviations (..., 5) of z-scored Ward parameters.
@@ -159,18 +159,20 @@ class WeightsCard:
 
 
 def _statistics(known: dict[str, Any]) -> ParameterStatistics:
-    mean = _numbers("statistics mean", known["mean"], (5,))
-    stddev = _numbers("statistics stddev", known["stddev"], (5,))
+    size = (len(WARD_NAMES),)
+    mean = _numbers("statistics mean", known["mean"], size)
+    stddev = _numbers("statistics stddev", known["stddev"], size)
     if not (stddev > 0.0).all():
         raise ValueError("a stddev of the statistics is not above 0")
     return ParameterStatistics(mean, stddev)
 
 
 def _calibration(card: dict[str, Any]) -> Calibration:
-    factors = _numbers("stddev_factors", card.get("stddev_factors", [1.0] * 5), (5,))
-    powers = _numbers("stddev_powers", card.get("stddev_powers", [1.0] * 5), (5,))
-    correlation = card.get("error_correlation", np.eye(5))
-    correlation = _numbers("error_correlation", correlation, (5, 5))
+    size = len(WARD_NAMES)
+    factors = _numbers("stddev_factors", card.get("stddev_factors", [1.0] * size), (size,))
+    powers = _numbers("stddev_powers", card.get("stddev_powers", [1.0] * size), (size,))
+    correlation = card.get("error_correlation", np.eye(size))
+    correlation = _numbers("error_correlation", correlation, (size, size))
     if not ((factors > 0.0).all() and (powers > 0.0).all()):
         raise ValueError("stddev_factors and stddev_powers must be above 0")
     if np.abs(correlation).max() > 1.0 + 1e-6:

@@ -15,7 +15,7 @@ from reflest_core.inference.joint_scene import JointScene, infer_jointly
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.inference.transport.surface_irradiance import SurfaceSight, surface_irradiance
 from reflest_core.inference.transport.ward_lobe import ROUGHNESSES
-from reflest_core.light.completion import LightPyramid, complete
+from reflest_core.light.completion import RADIANCE, LightPyramid, complete
 from reflest_core.light.light_map import ObservedLight
 from reflest_core.segmentation.adjacency import neighbour_pairs
 from reflest_core.segmentation.features import LIGHTNESS
@@ -89,7 +89,7 @@ class Segmenter:
         before, old_ids = self._before(keys)
 
         def divided(light: LightPyramid, size: SegmentSize) -> NDArray[np.int64]:
-            irradiance = surface_irradiance(light, sight)[:, :3]
+            irradiance = surface_irradiance(light, sight)[:, RADIANCE]
             places = surface.positions, surface.normals, pairs
             return segment(*places, colours, irradiance, size, before)
 
@@ -100,7 +100,7 @@ class Segmenter:
         labels = divided(known, COARSE)
         joint = infer_jointly(surface, observed, labels, occluders, known)
         self._last, self._light = (keys, labels), joint.light.light
-        irradiance = surface_irradiance(joint.light.light, sight)[:, :3]
+        irradiance = surface_irradiance(joint.light.light, sight)[:, RADIANCE]
         groups = _groups(surface, pairs, joint, _majority(labels, old_ids))
         ids = self._ids.match(keys, groups[labels])
         return SegmentedScene(

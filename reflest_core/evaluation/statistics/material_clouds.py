@@ -15,6 +15,7 @@ from plyfile import PlyData, PlyParseError
 from scipy.spatial import cKDTree
 
 from reflest_core.brdf.lab import luminance
+from reflest_core.brdf.parameters import RHO_D
 from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.evaluation.statistics.segmentation import (
     adjusted_rand_index,
@@ -178,7 +179,7 @@ def _over_materials(
 
 def _log_ratio(made: NDArray[np.void], true: NDArray[np.void]) -> NDArray[np.float64]:
     """``|log|`` of the ratio of luminances; infinite where there is no estimate."""
-    values = [np.maximum(luminance(_ward(one)[:, :3]), LEAST_ALBEDO) for one in (made, true)]
+    values = [np.maximum(luminance(_ward(one)[:, RHO_D]), LEAST_ALBEDO) for one in (made, true)]
     ratio = np.abs(np.log(values[0] / values[1]))
     return np.where(np.isfinite(ratio), ratio, np.inf)
 

@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.light.completion import LightPyramid, halved, smoothed
+from reflest_core.light.completion import RADIANCE, LightPyramid, halved, smoothed
 
 BANDS = 3
 """Between levels of the pyramid: roughnesses of about .02, .05 and .1 with texels of 2 degrees."""
@@ -41,11 +41,11 @@ def light_bands(light: LightPyramid) -> NDArray[np.float32]:
     excess = light.excess
     blurred = []
     for level in levels:
-        bright = level[..., :3] + np.float32(USUAL_EXCESS) * excess
+        bright = level[..., RADIANCE] + np.float32(USUAL_EXCESS) * excess
         blurred.append(_at_size(np.concatenate([bright, level[..., 3:4]], axis=-1), size))
         excess = halved(excess)
     bands = [
-        (fine[..., :3] - coarse[..., :3]) / np.float32(math.log(2.0))
+        (fine[..., RADIANCE] - coarse[..., RADIANCE]) / np.float32(math.log(2.0))
         for fine, coarse in pairwise(blurred)
     ]
     trust = np.clip(blurred[-2][..., 3:], 0.0, 1.0) ** np.float32(TRUST)

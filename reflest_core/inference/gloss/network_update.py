@@ -9,6 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf.parameters import ALPHA
 from reflest_core.inference.gloss.posterior import GlossPosterior
 
 LEAST_SPREAD, MOST_SPREAD = 0.45, 0.7
@@ -37,15 +38,15 @@ def with_posterior(
     """
     if not posterior.is_identifiable:
         return ward, stddev
-    expected = math.log(max(float(ward[4]), SMALLEST))
-    spread = float(stddev[4]) / max(float(ward[4]), SMALLEST)
+    expected = math.log(max(float(ward[ALPHA]), SMALLEST))
+    spread = float(stddev[ALPHA]) / max(float(ward[ALPHA]), SMALLEST)
     precision = min(max(spread, LEAST_SPREAD), MOST_SPREAD) ** -2
     own = posterior.log_alpha_stddev**-2
     log_alpha = (own * math.log(posterior.alpha) + precision * expected) / (own + precision)
     spread = (own + precision) ** -0.5
     ward, stddev = ward.copy(), stddev.copy()
-    ward[4] = math.exp(log_alpha)
-    stddev[4] = ward[4] * spread
+    ward[ALPHA] = math.exp(log_alpha)
+    stddev[ALPHA] = ward[ALPHA] * spread
     return ward, stddev
 
 
@@ -62,5 +63,5 @@ def roughness_problem(
     Returns:
         The posterior's reason, unless the network is sure of its answer.
     """
-    is_sure = stddev is not None and float(stddev[4]) <= SURE * float(ward[4])
+    is_sure = stddev is not None and float(stddev[ALPHA]) <= SURE * float(ward[ALPHA])
     return "" if is_sure else posterior.reason

@@ -17,7 +17,7 @@ from reflest_core.inference.gloss.lobes import SEEN, lobe_light
 from reflest_core.inference.gloss.rated_surface import CHOSEN, RatedSurface
 from reflest_core.inference.gloss.spatial_parts import PARTS, spatial_parts
 from reflest_core.inference.transport.irradiance import DARKEST, mean_radiance
-from reflest_core.light.completion import LightPyramid
+from reflest_core.light.completion import RADIANCE, LightPyramid
 from reflest_core.surface.observed_surface import ObservedSurface
 
 ALPHAS = np.geomspace(0.01, 0.35, 12)
@@ -176,7 +176,7 @@ def _albedos(
     diffuse: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """(S, K, 3) diffuse radiance over diffuse light, of each segment's voxels together."""
-    arriving = np.maximum(mean_radiance(light, surface.normals[voxels])[:, :3], DARKEST)
+    arriving = np.maximum(mean_radiance(light, surface.normals[voxels])[:, RADIANCE], DARKEST)
     albedos = np.full((len(segments), len(diffuse), 3), np.nan)
     for row, segment in enumerate(segments):
         inside = np.isin(voxels, segment)

@@ -20,6 +20,7 @@ from reflest_core.inference.light import seen_light
 from reflest_core.inference.material import Explanation, explain
 from reflest_core.inference.transport.irradiance import DARKEST, incoming, weighted_radiance
 from reflest_core.inference.transport.ward_lobe import lobe_radiance
+from reflest_core.light.completion import CLIPPED, RADIANCE, SEEN
 from reflest_core.light.cosine_weights import cosine_weights
 from reflest_core.models.lightnet.gloss_evidence import gloss_answers, gloss_evidence
 from reflest_core.models.lightnet.light_zones import light_zones
@@ -116,7 +117,7 @@ def features_of(found: Explanation, voxels: NDArray[np.int64]) -> LightFeatures:
     weights = cosine_weights(sample.normals)
     sight = found.occluders.sight(surface.positions[voxels], sample.normals, weights)
     diffuse = weighted_radiance(found.light, incoming(weights, sight))
-    diffuse_light = np.maximum(diffuse[:, :3], DARKEST)
+    diffuse_light = np.maximum(diffuse[:, RADIANCE], DARKEST)
     lobes = lobe_radiance(
         found.light, sample.normals[sample.voxel_of], sample.directions, sight.of(sample.voxel_of)
     )
@@ -124,7 +125,7 @@ def features_of(found: Explanation, voxels: NDArray[np.int64]) -> LightFeatures:
     is_seen = sample.spread(np.ones(len(sample.voxel_of), np.float32))
     apparent = sample.spread(sample.colours / of_observation)
     clipped = sample.spread(sample.clipped.astype(np.float32))
-    lobe = sample.spread(lobes[..., :3] / of_observation[:, None])
+    lobe = sample.spread(lobes[..., RADIANCE] / of_observation[:, None])
     brightness = diffuse_light.mean(axis=1)
     fit = fit_lobes(
         apparent,
@@ -141,12 +142,12 @@ def features_of(found: Explanation, voxels: NDArray[np.int64]) -> LightFeatures:
             np.einsum("ij,ij->i", sample.directions, sample.normals[sample.voxel_of])
         ),
         lobe=lobe,
-        lobe_seen=sample.spread(lobes[..., 3]),
-        lobe_clipped=sample.spread(lobes[..., 4]),
+        lobe_seen=sample.spread(lobes[..., SEEN]),
+        lobe_clipped=sample.spread(lobes[..., CLIPPED]),
         normals=sample.normals,
         diffuse_light=diffuse_light,
-        diffuse_seen=diffuse[:, 3],
-        diffuse_clipped=diffuse[:, 4],
+        diffuse_seen=diffuse[:, SEEN],
+        diffuse_clipped=diffuse[:, CLIPPED],
         voxel_fit=fit.voxels,
         scene_fit=fit.scene,
         zones=light_zones(found.light),

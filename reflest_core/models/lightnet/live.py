@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from reflest_core.brdf.parameters import RHO_D, RHO_S
 from reflest_core.inference.material import Explanation
+from reflest_core.light.completion import CLIPPED, RADIANCE, SEEN
 from reflest_core.models.definition import Scores
 from reflest_core.models.lightnet.features import LightFeatures, light_features
 from reflest_core.models.lightnet.shapes import FOUND_STRENGTHS
@@ -82,7 +83,7 @@ class LiveLightNet:
             width = voxels.shape[-1] // weights.shape[-1]
             weighed = (np.repeat(weights, width, axis=-1) * voxels).sum(axis=0)
             spread = np.sqrt(voxels.var(axis=0) + np.float32(1e-6))
-            zone_light = _log(features.zones[:, :3] / mean_light).T
+            zone_light = _log(features.zones[:, RADIANCE] / mean_light).T
             of_channel = self._of_channel.scores(
                 np.concatenate(
                     [features.channel_statistics, features.scene_fit.reshape(3, -1), zone_light],
@@ -90,7 +91,9 @@ class LiveLightNet:
                 )
             )
             of_all = self._of_all.scores(
-                np.concatenate([features.statistics, features.zones[:, 3], features.zones[:, 4]])
+                np.concatenate(
+                    [features.statistics, features.zones[:, SEEN], features.zones[:, CLIPPED]]
+                )
             )
             shared = np.concatenate([of_channel.mean(axis=0), of_all])
             shared = np.broadcast_to(shared, (3, len(shared)))

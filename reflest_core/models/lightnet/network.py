@@ -14,6 +14,7 @@ import torch
 from torch import nn
 
 from reflest_core.brdf.parameters import RHO_D, RHO_S
+from reflest_core.light.completion import CLIPPED, RADIANCE, SEEN
 from reflest_core.models.lightnet.live import FLOOR, FURTHEST
 from reflest_core.models.lightnet.shapes import (
     FOUND_STRENGTHS,
@@ -151,11 +152,11 @@ class LightNet(nn.Module):
         weighed = (weights.repeat_interleave(VOXEL // HEADS, dim=-1) * voxels).sum(dim=1)
         spread = _deviation(voxels, is_voxel, is_voxel.sum(dim=1))
 
-        zone_light = _log(zones[..., :3] / mean_light[:, None]).transpose(1, 2)
+        zone_light = _log(zones[..., RADIANCE] / mean_light[:, None]).transpose(1, 2)
         of_channel = self.of_channel(
             torch.cat([channel_statistics, scene_fit.flatten(2), zone_light], dim=-1)
         )
-        of_all = self.of_all(torch.cat([statistics, zones[..., 3], zones[..., 4]], dim=-1))
+        of_all = self.of_all(torch.cat([statistics, zones[..., SEEN], zones[..., CLIPPED]], dim=-1))
         beside = torch.cat([of_channel.mean(dim=1), of_all], dim=-1)
         channels = self.channel(
             self.dropout(

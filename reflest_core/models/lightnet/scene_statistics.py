@@ -16,6 +16,7 @@ from reflest_core.inference.material_fit import MaterialFit
 from reflest_core.inference.transport.irradiance import DARKEST, weighted_radiance
 from reflest_core.inference.transport.reflected_detail import DETAIL_STATISTICS
 from reflest_core.inference.transport.ward_lobe import ROUGHNESSES
+from reflest_core.light.completion import RADIANCE, SEEN
 from reflest_core.light.octahedral import octahedral_solid_angles
 from reflest_core.models.lightnet.normal_bands import BANDS, NormalBands
 from reflest_core.surface.observed_surface import ObservedSurface
@@ -56,10 +57,10 @@ def scene_statistics(found: Explanation) -> SceneStatistics:
     filled, whole = (
         weighted_radiance(light, found.incoming) for light in (found.filled, found.light)
     )
-    lights = [np.maximum(light[:, :3], DARKEST) for light in (filled, whole)]
+    lights = [np.maximum(light[:, RADIANCE], DARKEST) for light in (filled, whole)]
     by_fill, by_whole = (_log(found.colours / light) for light in lights)
     clipped = (found.colours >= 1.0).astype(np.float32)
-    bands = NormalBands.of(found.normals, by_fill, by_whole, clipped, filled[:, 3])
+    bands = NormalBands.of(found.normals, by_fill, by_whole, clipped, filled[:, SEEN])
     of_channels = np.concatenate(
         [
             *[_of_light(light) for light in found.inferred],

@@ -21,7 +21,7 @@ from reflest_core.inference.transport.irradiance import incoming
 from reflest_core.inference.transport.visibility import Occluders
 from reflest_core.inference.transport.ward_lobe import reflected
 from reflest_core.light import rgbe
-from reflest_core.light.completion import LightPyramid, levels_below
+from reflest_core.light.completion import RADIANCE, LightPyramid, levels_below
 from reflest_core.light.cosine_weights import cosine_weights
 from reflest_core.light.equirectangular import radiance_from
 from reflest_core.light.octahedral import (
@@ -111,7 +111,7 @@ def relit(
     light = _pyramid(environment)
     radiance = _radiance(scene, material, light)
     directions = background_directions(thumbnails, surface.positions.mean(axis=0))
-    images = light.levels[0][..., :3].reshape(-1, 3)[octahedral_texels(directions, EDGE)]
+    images = light.levels[0][..., RADIANCE].reshape(-1, 3)[octahedral_texels(directions, EDGE)]
     on_object = _as_pixels(radiance, surface.view_indices, thumbnails.is_object, rng)
     images[thumbnails.is_object] = on_object
     exposure = auto_exposure(images)
@@ -161,7 +161,7 @@ def _diffuse(level: NDArray[np.float32], normals: NDArray[np.float32]) -> NDArra
     edge = len(level)
     directions = octahedral_directions(edge).reshape(-1, 3)
     weights = np.maximum(normals @ directions.T, 0.0) * octahedral_solid_angles(edge).reshape(-1)
-    return np.asarray(weights @ level[..., :3].reshape(-1, 3) / np.float32(np.pi), np.float32)
+    return np.asarray(weights @ level[..., RADIANCE].reshape(-1, 3) / np.float32(np.pi), np.float32)
 
 
 def _as_pixels(

@@ -9,6 +9,7 @@ import math
 import torch
 
 from reflest_core.inference.transport.ward_lobe import ROUGHNESSES
+from reflest_core.light.completion import RADIANCE, SEEN
 from reflest_core.models.lightnet.scene_statistics import CHANNEL_STATISTICS
 from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.light.scan_file import AXES
@@ -74,7 +75,8 @@ def hide(features: Features, without: tuple[str, ...]) -> None:
         for name in SHARES:
             features[name] = torch.zeros_like(features[name])
         features["zones"] = torch.cat(
-            [features["zones"][..., :3], torch.zeros_like(features["zones"][..., 3:])], dim=-1
+            [features["zones"][..., RADIANCE], torch.zeros_like(features["zones"][..., SEEN:])],
+            dim=-1,
         )
 
 
@@ -83,11 +85,13 @@ def _hide_directions(features: Features) -> None:
     zones = features["zones"]
     polar = (torch.arange(zones.shape[1], device=zones.device) + 0.5) * math.pi / zones.shape[1]
     weight = zones[..., 3:4] * polar.sin()[:, None]
-    seen = (zones[..., :3] * weight).sum(1) / weight.sum(1).clamp(min=1e-6)
+    seen = (zones[..., RADIANCE] * weight).sum(1) / weight.sum(1).clamp(min=1e-6)
     background = seen.clamp(min=1e-4)[:, None]  # (B, 1, 3)
     features["apparent"] = (
         features["apparent"] * (features["diffuse_light"] / background)[:, :, None]
     )
     features["diffuse_light"] = background.expand_as(features["diffuse_light"])
     features["lobe"] = torch.zeros_like(features["lobe"])
-    features["zones"] = torch.cat([background.expand_as(zones[..., :3]), zones[..., 3:]], dim=-1)
+    features["zones"] = torch.cat(
+        [background.expand_as(zones[..., RADIANCE]), zones[..., SEEN:]], dim=-1
+    )
