@@ -1,16 +1,12 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""BRDF models behind one protocol: a model names its parameters, and is evaluated and sampled.
-
-A material is a vector of the model's parameters. To add a model, write a class with the members of
-:class:`BrdfModel` and put an instance into :data:`MODELS`.
-"""
+"""The BRDF models by name; each keeps the protocol of :mod:`reflest_core.brdf.protocol`."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,74 +21,11 @@ from reflest_core.brdf.parameters import (
     SMALLEST_ALPHA,
     WardVariant,
 )
+from reflest_core.brdf.protocol import BrdfModel, BrdfParameter, lobe_albedo, view_directions
 
 Array = Any
 BASE, F0, WIDTH = slice(0, 3), 3, 4
 """Where a vector of :class:`Ggx` holds its parameters."""
-
-
-@dataclass(frozen=True)
-class BrdfParameter:
-    """One value of a material's vector.
-
-    Attributes:
-        name: As it is printed.
-        lowest: Smallest physical value.
-        highest: Largest physical value.
-    """
-
-    name: str
-    lowest: float
-    highest: float
-
-
-class BrdfModel(Protocol):
-    """An isotropic BRDF in linear sRGB; directions are unit vectors with +z on the normal."""
-
-    @property
-    def name(self) -> str:
-        """What files and messages call the model."""
-
-    @property
-    def parameters(self) -> tuple[BrdfParameter, ...]:
-        """The P values of a material's vector, in order."""
-
-    def evaluate(self, material: Array, omega_i: Array, omega_o: Array) -> Array:
-        """Evaluate the BRDF.
-
-        Args:
-            material: (..., P) vectors.
-            omega_i: (..., 3) directions of incidence.
-            omega_o: (..., 3) directions to the camera.
-
-        Returns:
-            (..., 3) in 1/sr; 0 where a direction lies below the surface.
-        """
-
-    def sample(self, material: Array, omega_o: Array, u: Array) -> tuple[Array, Array]:
-        """Draw directions of incidence from the specular lobe.
-
-        Args:
-            material: (P,) a vector.
-            omega_o: (..., 3) directions to the camera.
-            u: (..., 2) uniform in [0, 1).
-
-        Returns:
-            (..., 3) directions and (...) their weights ``f_s cos theta_i / density``.
-        """
-
-    def albedo(
-        self, material: NDArray[np.float64], cos_theta_o: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Integrate the BRDF over light that comes from everywhere above.
-
-        Args:
-            material: (P,) a vector.
-            cos_theta_o: (K,) cosines of the angle between normal and camera, in (0, 1].
-
-        Returns:
-            (K, 3) the reflected share.
-        """
 
 
 @dataclass(frozen=True)
@@ -156,7 +89,7 @@ class Ward:
         Returns:
             (K, 3) the reflected share.
         """
-        return np.asarray(material[RHO_D] + _specular_albedo(self, material, cos_theta_o)[:, None])
+        return np.asarray(material[RHO_D] + lobe_albedo(self, material, cos_theta_o)[:, None])
 
 
 @dataclass(frozen=True)
@@ -225,7 +158,7 @@ class Ggx:
         Returns:
             (K, 3) the reflected share.
         """
-        specular = _specular_albedo(self, material, cos_theta_o)
+        specular = lobe_albedo(self, material, cos_theta_o)
         diffuse = material[BASE] * self._passed(material[F0], cos_theta_o)
         return np.asarray(specular[:, None] + diffuse)
 
@@ -237,7 +170,7 @@ class Ggx:
         omega_i = np.stack(
             [radius * np.cos(turn), radius * np.sin(turn), np.sqrt(1 - u[:, 0])], axis=-1
         )
-        fresnel: NDArray[np.float64] = _schlick(f0, omega_i, _directions(cos_theta_o))
+        fresnel: NDArray[np.float64] = _schlick(f0, omega_i, view_directions(cos_theta_o))
         return np.asarray(1 - fresnel.mean(axis=1, keepdims=True))
 
 
@@ -251,17 +184,3 @@ MODELS: dict[str, BrdfModel] = {
 def _schlick(f0: Array, omega_i: Array, omega_o: Array) -> Array:
     half_dot_o = np.linalg.norm(omega_i + omega_o, axis=-1) / 2
     return f0 + (1 - f0) * np.clip(1 - half_dot_o, 0, 1) ** 5
-
-
-def _directions(cos_theta_o: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(K, 1, 3) directions to the camera."""
-    sine = np.sqrt(1 - cos_theta_o**2)
-    return np.stack([sine, np.zeros_like(sine), cos_theta_o], axis=-1)[:, None]
-
-
-def _specular_albedo(
-    model: BrdfModel, material: NDArray[np.float64], cos_theta_o: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    _, weights = model.sample(material, _directions(cos_theta_o), sampling.strata()[None])
-    mean: NDArray[np.float64] = weights.mean(axis=1)
-    return mean
