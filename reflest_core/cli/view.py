@@ -12,7 +12,7 @@ from reflest_core.cli.scan_options import add_scan_options
 
 if TYPE_CHECKING:
     from reflest_core.capture.capture import Capture
-    from reflest_core.estimation.scanner import Scanner
+    from reflest_core.estimation.pipeline import Pipeline
     from reflest_core.viewer.capture_source import CaptureSource
 
 EPILOG = """example: reflest view captures/glossy-red --roi-sphere 0 0 0.12 0.15
@@ -99,7 +99,7 @@ def capture_source(options: argparse.Namespace) -> CaptureSource:
     if path.is_file() and path.suffix not in CAPTURE_SUFFIXES:
         return CaptureSource(path, settings, None)
 
-    def open_again(scanner: Scanner) -> Capture:
+    def open_again(scanner: Pipeline) -> Capture:
         return open_capture(
             path,
             topic_choice(options),

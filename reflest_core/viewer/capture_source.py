@@ -17,7 +17,7 @@ from reflest_core.capture.refusal import CaptureError, FrameRefused
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimator import NoEstimate
 from reflest_core.estimation.material_map import MaterialMap
-from reflest_core.estimation.scanner import KeyframeSnapshot, Scanner
+from reflest_core.estimation.pipeline import KeyframeSnapshot, Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.export.errors import ExportError
 from reflest_core.export.exporter import EVERY_VOXEL
@@ -32,7 +32,7 @@ from reflest_core.viewer.source import (
     saved_files,
 )
 
-OpenCapture = Callable[[Scanner], Capture]
+OpenCapture = Callable[[Pipeline], Capture]
 """Opens the capture from its beginning for a scanner."""
 
 
@@ -64,7 +64,7 @@ class CaptureSource:
         self._stem = re.sub(r"[^A-Za-z0-9_.-]+", "_", path.stem) or "scan"
         self._lock = threading.Lock()
         self._state = SourceState(progress="opening", is_working=True)
-        self._done: Scanner | None = None
+        self._done: Pipeline | None = None
         self._stopping, self._thread = threading.Event(), threading.Thread()
         self._begin(settings)
 
@@ -134,7 +134,7 @@ class CaptureSource:
         if self._open is None:
             raise ViewerError(f"{self.name} is a saved scan: open its capture for {wish}")
 
-    def _finished(self) -> Scanner:
+    def _finished(self) -> Pipeline:
         if self._done is None:
             raise ViewerError("the scan is not finished yet: wait for the end of the capture")
         return self._done
@@ -146,7 +146,7 @@ class CaptureSource:
 
     def _begin(self, settings: ReflestSettings) -> None:
         """Open everything now, so that mistakes are told at once; then scan in a thread."""
-        scanner = Scanner(settings)
+        scanner = Pipeline(settings)
         self._done, self._stopping = None, threading.Event()
         if self._open is None:
             scanner.load(self._path)
@@ -163,7 +163,7 @@ class CaptureSource:
         except (ReflestError, OSError) as error:
             self._state = replace(self._state, progress=str(error), is_working=False)
 
-    def _scan(self, capture: Capture, scanner: Scanner, stopping: threading.Event) -> None:
+    def _scan(self, capture: Capture, scanner: Pipeline, stopping: threading.Event) -> None:
         keyframes: list[Keyframe] = []
         fused, free_at = 0, 0.0
         for frame in capture:
@@ -196,7 +196,7 @@ class CaptureSource:
         if not stopping.is_set():
             self._conclude(scanner, tuple(keyframes))
 
-    def _show(self, scanner: Scanner, snapshot: KeyframeSnapshot) -> MaterialMap | None:
+    def _show(self, scanner: Pipeline, snapshot: KeyframeSnapshot) -> MaterialMap | None:
         try:
             found = scanner.materials(snapshot)
             self._state = replace(self._state, scan=ShownScan.of(scanner.scan, found, self.up))
@@ -204,7 +204,7 @@ class CaptureSource:
             return None
         return found
 
-    def _conclude(self, scanner: Scanner, keyframes: tuple[Keyframe, ...]) -> None:
+    def _conclude(self, scanner: Pipeline, keyframes: tuple[Keyframe, ...]) -> None:
         self._state = replace(self._state, progress="estimating from all voxels", share=0.95)
         found = scanner.materials(scanner.snapshot(EVERY_VOXEL))
         scan = ShownScan.of(scanner.scan, found, self.up)

@@ -19,7 +19,7 @@ from reflest_core.capture.frame import Frame
 from reflest_core.estimation.material_map import MaterialMap
 
 if TYPE_CHECKING:
-    from reflest_core.estimation.scanner import Scanner
+    from reflest_core.estimation.pipeline import Pipeline
     from reflest_core.viewer.shown_scan import ShownScan
 
 THUMBNAIL = 160
@@ -167,7 +167,7 @@ class ScanSource(Protocol):
         ...
 
 
-def saved_files(scanner: Scanner, name: str) -> Outcome:
+def saved_files(scanner: Pipeline, name: str) -> Outcome:
     """The scan file, for the browser to save.
 
     Args:
@@ -183,7 +183,7 @@ def saved_files(scanner: Scanner, name: str) -> Outcome:
     )
 
 
-def exported_files(scanner: Scanner, found: MaterialMap, name: str, format_name: str) -> Outcome:
+def exported_files(scanner: Pipeline, found: MaterialMap, name: str, format_name: str) -> Outcome:
     """The exported surface, for the browser to save; several files come in one archive.
 
     Args:
