@@ -142,7 +142,7 @@ class Diagnostics:
             "materials": str(session.output.materials.count),
             "last material map's duration (s)": f"{session.output.materials.duration:.3f}",
             "last reason for no materials": session.output.materials.failure,
-            "depth agreement": f"{session.scanner.poses.report.agreement:.3f}",
+            "depth agreement": f"{session.scanner.poses.agreement:.3f}",
             "voxels": str(counts.voxels),
             "observations": str(counts.observations),
             "views": str(counts.views),

@@ -12,9 +12,9 @@ from rclpy.experimental import EventsExecutor
 from reflest_core.errors import ReflestError
 from reflest_ros.process import (
     avoid_pauses,
-    give_back_memory,
     ignore_signals,
     limit_clean_up,
+    limit_heaps,
     ros_process,
 )
 from reflest_ros.shared_memory import remove_left_segments, room_problem
@@ -32,7 +32,7 @@ def main(args: list[str] | None = None) -> int:
     Returns:
         0 after a signal, 2 for a user's mistake, 1 after an internal error.
     """
-    give_back_memory()
+    limit_heaps()
     try:
         with ros_process(args):
             return _run_node()

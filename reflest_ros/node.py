@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import contextlib
-import gc
 import threading
 import traceback
 from collections.abc import Callable, Iterator
@@ -26,6 +25,7 @@ from reflest_ros.parameters import (
     declare_parameters,
     warn_of_unknown_parameters,
 )
+from reflest_ros.process import give_back_memory
 from reflest_ros.scan_session import ScanSession
 from reflest_ros.services.node_services import NodeServices
 from reflest_ros.services.pause_services import PauseServices
@@ -285,7 +285,7 @@ class EstimatorNode(LifecycleNode):
             session.close()
             self.offered.withdraw()
             del session
-            gc.collect()  # its arrays hang in cycles, which Python would keep for many sessions
+            give_back_memory()  # its arrays hang in cycles, which Python would keep for long
 
     @property
     def _configured(self) -> ScanSession:

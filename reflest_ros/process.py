@@ -30,6 +30,10 @@ CLEAN_UP_LIMIT = 20.0
 M_MMAP_THRESHOLD, LARGE_ARRAY = -3, 4 << 20
 """``mallopt``'s parameter, and bytes: above those of an image, below those of a scan's arrays."""
 
+M_ARENA_MAX, ARENAS = -8, 2
+"""``mallopt``'s parameter, and heaps. By default every new thread may begin one of its own, and
+what one scan's threads freed is not used by those of the next."""
+
 KILLED = 3
 """Exit code of a process whose clean-up took too long."""
 
@@ -121,14 +125,31 @@ def limit_clean_up(seconds: float = CLEAN_UP_LIMIT) -> None:
     timer.start()
 
 
-def give_back_memory() -> None:
-    """Make glibc return large arrays to the system when they are freed.
+def limit_heaps() -> None:
+    """Make glibc return large arrays to the system when they are freed, and keep few heaps.
 
     By default it stops doing so once one has been freed: the arrays of the next scan then come from
     heaps that only grow, with every page touched. Other C libraries have no such setting.
     """
     with contextlib.suppress(AttributeError, OSError):
-        ctypes.CDLL(None).mallopt(M_MMAP_THRESHOLD, LARGE_ARRAY)
+        library = ctypes.CDLL(None)
+        library.mallopt(M_MMAP_THRESHOLD, LARGE_ARRAY)
+        library.mallopt(M_ARENA_MAX, ARENAS)
+
+
+def give_back_memory() -> None:
+    """Return what is no longer used to the system: arrays in cycles, and free pages of heaps.
+
+    What :func:`avoid_pauses` keeps out of collections is looked at too, for a scan that was there
+    then may have gone since.
+    """
+    was_frozen = gc.get_freeze_count() > 0
+    gc.unfreeze()
+    gc.collect()
+    if was_frozen:
+        gc.freeze()
+    with contextlib.suppress(AttributeError, OSError):
+        ctypes.CDLL(None).malloc_trim(0)
 
 
 def avoid_pauses() -> None:

@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import gc
 import sys
+import weakref
 
 import pytest
 from lifecycle_msgs.msg import Transition
 from own_process import participants
 
 from reflest_ros.node import EstimatorNode
-from reflest_ros.process import avoid_pauses, ros_process
+from reflest_ros.process import avoid_pauses, give_back_memory, ros_process
 
 
 def test_collections_leave_alone_what_was_loaded():
@@ -23,6 +24,30 @@ def test_collections_leave_alone_what_was_loaded():
         assert gc.get_freeze_count() >= len(loaded)
         assert not any(one is loaded for one in gc.get_objects())
         assert sys.getswitchinterval() < interval
+    finally:
+        gc.unfreeze()
+        sys.setswitchinterval(interval)
+
+
+class Knot:
+    """Holds itself, as a scan's objects hold each other."""
+
+    def __init__(self):
+        self.own = self
+
+
+def test_a_scan_that_was_there_when_collections_began_to_leave_it_alone_is_freed_later():
+    knot = Knot()
+    is_there = weakref.ref(knot)
+    interval = sys.getswitchinterval()
+    try:
+        avoid_pauses()
+        del knot
+        gc.collect()
+        assert is_there() is not None
+        give_back_memory()
+        assert is_there() is None
+        assert gc.get_freeze_count() > 0
     finally:
         gc.unfreeze()
         sys.setswitchinterval(interval)

@@ -113,14 +113,22 @@ class PoseCheck:
         self._reference = self._previous = self._previous_frame = self._before_jump = None
 
     @property
-    def report(self) -> PoseReport:
-        """What is known by now; conventions are tried where pairs do not meet."""
+    def agreement(self) -> float:
+        """Median share of depth that meets, in [0, 1]; NaN without pairs. For any thread."""
         shares = sorted(self._shares)
-        middle = shares[len(shares) // 2] if shares else math.nan
+        return shares[len(shares) // 2] if shares else math.nan
+
+    @property
+    def report(self) -> PoseReport:
+        """What is known by now; conventions are tried where pairs do not meet.
+
+        That may take a while: for the thread that calls :meth:`add`.
+        """
+        middle = self.agreement
         return PoseReport(
-            len(shares),
+            len(self._shares),
             middle,
-            shares[0] if shares else math.nan,
+            min(self._shares, default=math.nan),
             len(self._jumps),
             self._problem(middle),
         )

@@ -10,7 +10,7 @@ import pytest
 from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
-from reflest_core.models.registry import shipped_models
+from reflest_core.models.registry import networks
 from test.core.lit_surfaces import lit
 from test.core.surfaces import patch_surface
 
@@ -25,7 +25,11 @@ SCANS = {
 }
 
 
-@pytest.fixture(scope="module", params=shipped_models())
+MODELS = [network.models[0].name for network in networks().values()]
+"""One of each network."""
+
+
+@pytest.fixture(scope="module", params=MODELS)
 def estimator(request):
     return Estimator(EstimationSettings(model=request.param))
 

@@ -9,6 +9,7 @@ import pytest
 
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.capture.pose import quaternion_of, rigid_matrix
+from reflest_core.fusion.poses import check as check_module
 from reflest_core.fusion.poses.agreement import DepthSample
 from reflest_core.fusion.poses.check import PoseCheck
 from reflest_core.fusion.poses.conventions import OPTICAL_IN_BODY, OPTICAL_IN_OPENGL
@@ -152,3 +153,15 @@ def test_what_is_masked_away_may_move_as_it_likes(frames):
     report = report_of(held)
     assert report.problem == ""
     assert report.agreement > 0.9
+
+
+def test_diagnostics_ask_for_the_agreement_without_trying_conventions(frames, monkeypatch):
+    tried = []
+    monkeypatch.setattr(check_module, "likely_convention", lambda *_: tried.append(1) or "")
+    check = PoseCheck()
+    for frame in placed(frames, np.linalg.inv):
+        check.add(frame)
+    assert check.agreement < 0.6
+    assert not tried
+    assert check.report.agreement == check.agreement
+    assert tried
