@@ -6,10 +6,14 @@ from __future__ import annotations
 
 import argparse
 import shlex
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from reflest_core.brdf.parameters import WardParameters
 from reflest_core.cli.synbrdf.film_options import add_film_options, film_command, film_options
 from reflest_core.cli.synbrdf.set_options import materials_of, realism_of
+
+if TYPE_CHECKING:
+    from reflest_core.synbrdf.tabletop.objects import ChosenObject
 
 
 def add_parser(products: Any) -> None:
@@ -35,6 +39,22 @@ def add_parser(products: Any) -> None:
         choices=("distant", "near"),
         help="an environment map, or lamps and windows of a room; default: drawn",
     )
+    parser.add_argument(
+        "--table-material",
+        type=float,
+        nargs=5,
+        metavar=("R", "G", "B", "RHO_S", "ALPHA"),
+        help="Ward parameters of a table without a pattern, rho_d in linear sRGB; default: drawn",
+    )
+    parser.add_argument(
+        "--object",
+        nargs=6,
+        action="append",
+        default=[],
+        metavar=("KIND", "R", "G", "B", "RHO_S", "ALPHA"),
+        help="an object: its kind of procedural shape and its Ward parameters; once for each, "
+        "default: 2 to 6 are drawn",
+    )
     parser.set_defaults(run=run)
 
 
@@ -52,9 +72,15 @@ def run(arguments: argparse.Namespace) -> int:
     for name in ("setting", "light"):
         if getattr(arguments, name) is not None:
             command += [f"--{name}", getattr(arguments, name)]
+    if arguments.table_material is not None:
+        command += ["--table-material", *map(str, arguments.table_material)]
+    for words in arguments.object:
+        command += ["--object", *words]
     choices = TabletopChoices(
         None if arguments.setting is None else Setting(arguments.setting),
         None if arguments.light is None else TabletopLight(arguments.light),
+        ground=None if arguments.table_material is None else _ward(*arguments.table_material),
+        objects=tuple(_chosen_object(words) for words in arguments.object),
     )
     request = TabletopRequest(
         **film_options(arguments),
@@ -64,3 +90,20 @@ def run(arguments: argparse.Namespace) -> int:
     )
     write_tabletop(arguments.out, request, shlex.join(command))
     return 0
+
+
+def _ward(red: float, green: float, blue: float, rho_s: float, alpha: float) -> WardParameters:
+    return WardParameters((red, green, blue), rho_s, alpha)
+
+
+def _chosen_object(words: list[str]) -> ChosenObject:
+    from reflest_core.synbrdf.sequences.sequence_scene import SequenceRefused
+    from reflest_core.synbrdf.tabletop.objects import ChosenObject
+
+    try:
+        values = [float(word) for word in words[1:]]
+    except ValueError:
+        raise SequenceRefused(
+            f"--object is {' '.join(words)}, but must be a kind of shape and five numbers"
+        ) from None
+    return ChosenObject(words[0], _ward(*values))

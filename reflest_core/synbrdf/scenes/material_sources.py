@@ -26,6 +26,8 @@ class MaterialSource(enum.Enum):
     """The paper's: :func:`.materials.draw_material`."""
     MEASURED = "measured"
     """That of measured materials: :mod:`.measured_materials`."""
+    GIVEN = "given"
+    """None: the user chose the material."""
 
 
 class MaterialsRefused(ReflestError):
@@ -46,6 +48,15 @@ class NamedMaterial:
     source: MaterialSource
     name: str
 
+    @classmethod
+    def given(cls, ward: WardParameters) -> NamedMaterial:
+        """A material that the user chose.
+
+        Args:
+            ward: Ward parameters, linear sRGB.
+        """
+        return cls(ward, MaterialSource.GIVEN, MaterialSource.GIVEN.value)
+
 
 @dataclass(frozen=True)
 class Materials:
@@ -64,6 +75,8 @@ class Materials:
     def __post_init__(self) -> None:
         if self.fits is not None and self.source is not MaterialSource.MEASURED:
             raise MaterialsRefused("--material-fits needs --materials measured")
+        if self.source is MaterialSource.GIVEN:
+            raise MaterialsRefused("materials are drawn from opensurfaces or measured")
         if not 0.0 <= self.measured_share <= 1.0:
             raise MaterialsRefused(f"--measured-share is {self.measured_share}, but must be 0 to 1")
 

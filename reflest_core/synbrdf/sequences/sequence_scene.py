@@ -20,7 +20,7 @@ from reflest_core.synbrdf.lights.environments import (
     rotated,
 )
 from reflest_core.synbrdf.realism.settings import Realism
-from reflest_core.synbrdf.scenes.material_sources import OPENSURFACES, Materials
+from reflest_core.synbrdf.scenes.material_sources import OPENSURFACES, Materials, NamedMaterial
 from reflest_core.synbrdf.scenes.scene import Light
 from reflest_core.synbrdf.sequences.trajectory import hand_held_orbit
 from reflest_core.synbrdf.shapes.mesh import TriangleMesh
@@ -31,8 +31,6 @@ ENVIRONMENT_HEIGHT = 256
 """Rows of the environment map: it is seen in the background, so finer than in sparse scenes."""
 DIAMETERS = (0.22, 0.36)
 """Metres."""
-GIVEN = "given"
-"""Source and name of a material that the user chose."""
 _STREAM = 0x5E0
 """Keeps a sequence's random numbers apart from a sparse scene's of the same seed."""
 
@@ -80,7 +78,7 @@ class SequenceRequest:
         if self.shape is not None and self.meshes is not None:
             raise SequenceRefused("--shape and --meshes exclude each other: give only one")
         if self.material is not None:
-            _check_material(self.material)
+            check_material("--material", self.material)
             if self.materials != OPENSURFACES:
                 raise SequenceRefused(
                     "--material and --materials exclude each other: give only one"
@@ -114,6 +112,27 @@ def check_film(seed: int, frames: int, width: int, height: int, samples: int, ra
             raise SequenceRefused(f"--{name} is {value}, but must be {low} to {high}")
     if samples % 4:
         raise SequenceRefused(f"--samples is {samples}, but must be a multiple of 4")
+
+
+def check_material(option: str, material: WardParameters) -> None:
+    """Refuse a material that reflects more than it receives.
+
+    Args:
+        option: that gave it, for the sentence.
+        material: Ward parameters, linear sRGB.
+
+    Raises:
+        SequenceRefused: If a value is outside its range.
+    """
+    rho_d, rho_s, alpha = material.rho_d, material.rho_s, material.alpha
+    # Every value is compared, so that NaN passes nowhere.
+    if not all(albedo >= 0.0 and albedo + rho_s <= 1.0 for albedo in rho_d) or not rho_s >= 0.0:
+        raise SequenceRefused(
+            f"{option} has rho_d {rho_d} and rho_s {rho_s}, but they must be 0 or more and the "
+            "largest rho_d plus rho_s at most 1"
+        )
+    if not 1e-3 <= alpha <= 1.0:
+        raise SequenceRefused(f"{option} has alpha {alpha}, but must have 0.001 to 1")
 
 
 @dataclass(frozen=True)
@@ -154,8 +173,9 @@ def _choose_material(
     rng: np.random.Generator, request: SequenceRequest
 ) -> tuple[WardParameters, str, str]:
     if request.material is not None:
-        return request.material, GIVEN, GIVEN
-    drawn = request.materials.draw(rng)
+        drawn = NamedMaterial.given(request.material)
+    else:
+        drawn = request.materials.draw(rng)
     return drawn.ward, drawn.source.value, drawn.name
 
 
@@ -175,15 +195,3 @@ def _draw_light(rng: np.random.Generator, environments: Path | None) -> Light:
     angle = float(rng.uniform(0.0, 2.0 * np.pi))
     radiance = rotated(load_environment(source, ENVIRONMENT_HEIGHT), angle)
     return Light(source.name, angle, radiance)
-
-
-def _check_material(material: WardParameters) -> None:
-    rho_d, rho_s, alpha = material.rho_d, material.rho_s, material.alpha
-    # Every value is compared, so that NaN passes nowhere.
-    if not all(albedo >= 0.0 and albedo + rho_s <= 1.0 for albedo in rho_d) or not rho_s >= 0.0:
-        raise SequenceRefused(
-            f"--material has rho_d {rho_d} and rho_s {rho_s}, but they must be 0 or more and the "
-            "largest rho_d plus rho_s at most 1"
-        )
-    if not 1e-3 <= alpha <= 1.0:
-        raise SequenceRefused(f"--material has alpha {alpha}, but must have 0.001 to 1")

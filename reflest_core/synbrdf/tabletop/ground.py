@@ -35,23 +35,32 @@ class Setting(enum.Enum):
     """A floor and two walls, seen from the open side."""
 
 
-def draw_ground(rng: np.random.Generator, setting: Setting, materials: Materials) -> PaintedMesh:
+def draw_ground(
+    rng: np.random.Generator,
+    setting: Setting,
+    materials: Materials,
+    chosen: NamedMaterial | None = None,
+) -> PaintedMesh:
     """The ground that objects stand on at z = 0, with its middle at the origin.
 
     Args:
         rng: random numbers; the same state draws the same.
         setting: table or corner.
         materials: the source of materials.
+        chosen: what a table is made of, without a pattern; None draws material and pattern.
     """
     if setting is Setting.TABLE:
         half = rng.uniform(*TABLE_EXTENTS, 2)
         is_round = rng.uniform() < ROUND_SHARE
         top = _disc(half[0]) if is_round else _sheet(half)
         rim = _rim(_circle(half[0]) if is_round else _rectangle(half))
-        named = materials.draw(rng)
-        slab = joined(
-            [_textured(rng, top, "table", materials, named), one_material(rim, named, "table")]
+        named = chosen or materials.draw(rng)
+        painted_top = (
+            _textured(rng, top, "table", materials, named)
+            if chosen is None
+            else one_material(top, named, "table")
         )
+        slab = joined([painted_top, one_material(rim, named, "table")])
         # Both are of one material; the rim has no pattern.
         ids = np.zeros_like(slab.material_of_face)
         return PaintedMesh(slab.mesh, slab.materials[:1], ids, slab.rho_d)

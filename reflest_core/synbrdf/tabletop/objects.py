@@ -4,10 +4,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.synbrdf.scenes.material_sources import Materials
+from reflest_core.brdf.parameters import WardParameters
+from reflest_core.synbrdf.scenes.material_sources import Materials, NamedMaterial
 from reflest_core.synbrdf.scenes.painted_mesh import PaintedMesh
 from reflest_core.synbrdf.scenes.scene_materials import OBJECT
 from reflest_core.synbrdf.shapes.mesh import TriangleMesh
@@ -34,8 +37,24 @@ TWO_MATERIALS_SHARE, TEXTURED_SHARE, FILE_SHARE = 0.25, 0.2, 0.6
 TRIES = 200
 
 
+@dataclass(frozen=True)
+class ChosenObject:
+    """An object whose kind of shape and material the user chose.
+
+    Attributes:
+        shape: Kind of procedural shape.
+        ward: Ward parameters, linear sRGB.
+    """
+
+    shape: str
+    ward: WardParameters
+
+
 def draw_objects(
-    rng: np.random.Generator, meshes: list[MeshSource], materials: Materials
+    rng: np.random.Generator,
+    meshes: list[MeshSource],
+    materials: Materials,
+    chosen: tuple[ChosenObject, ...] = (),
 ) -> tuple[list[PaintedMesh], list[str]]:
     """Draw 2 to 6 objects on z = 0 that do not touch each other.
 
@@ -43,38 +62,47 @@ def draw_objects(
         rng: Source of the draw.
         meshes: To draw from; none: all shapes are procedural.
         materials: What to draw materials from.
+        chosen: The first of these stand there instead; fewer where the ground has no room.
 
     Returns:
         The objects in their places and the names of their shapes.
     """
-    wanted = int(rng.integers(COUNTS[0], COUNTS[1] + 1))
+    wanted = len(chosen) or int(rng.integers(COUNTS[0], COUNTS[1] + 1))
     objects: list[PaintedMesh] = []
     names: list[str] = []
     taken: list[tuple[FloatArray, float]] = []
     for _ in range(TRIES):
         if len(objects) == wanted:
             break
-        mesh, name = _draw_shape(rng, meshes)
+        choice = chosen[len(objects)] if chosen else None
+        mesh, name = _draw_shape(rng, meshes, None if choice is None else choice.shape)
         radius = float(np.linalg.norm(mesh.vertices[:, :2], axis=1).max())
         place = _free_place(rng, radius, taken)
         if place is None:
             continue
         taken.append((place, radius))
-        painted = _draw_paint(rng, mesh, f"{OBJECT}-{len(objects) + 1}", materials)
+        part = f"{OBJECT}-{len(objects) + 1}"
+        if choice is None:
+            painted = _draw_paint(rng, mesh, part, materials)
+        else:
+            painted = one_material(mesh, NamedMaterial.given(choice.ward), part)
         lowest = float(mesh.vertices[:, 2].min())
         objects.append(painted.shifted(np.array([*place, -lowest - SINK])))
         names.append(name)
     return objects, names
 
 
-def _draw_shape(rng: np.random.Generator, meshes: list[MeshSource]) -> tuple[TriangleMesh, str]:
-    from_file = len(meshes) > 0 and rng.uniform() < FILE_SHARE
+def _draw_shape(
+    rng: np.random.Generator, meshes: list[MeshSource], kind: str | None
+) -> tuple[TriangleMesh, str]:
+    from_file = kind is None and len(meshes) > 0 and rng.uniform() < FILE_SHARE
     if from_file:
         source = meshes[int(rng.integers(len(meshes)))]
         mesh, name = load_mesh(source), source.name
     else:
-        mesh, name = draw_procedural(rng)
-    rotation = draw_rotation(rng, upright=bool(from_file or rng.uniform() < 0.5))
+        mesh, name = draw_procedural(rng, kind)
+    is_upright = from_file or rng.uniform() < 0.5 or kind is not None
+    rotation = draw_rotation(rng, upright=bool(is_upright))
     return mesh.moved(rotation, float(rng.uniform(*DIAMETERS))), name
 
 

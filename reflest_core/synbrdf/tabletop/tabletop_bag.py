@@ -25,9 +25,15 @@ from reflest_core.synbrdf.scenes.splits import Sources
 from reflest_core.synbrdf.scenes.surface_points import draw_surface_points
 from reflest_core.synbrdf.sequences.bag_writer import write_bag
 from reflest_core.synbrdf.sequences.filming import Film, FilmSettings, Stage
-from reflest_core.synbrdf.sequences.sequence_scene import SequenceRefused, check_film
+from reflest_core.synbrdf.sequences.sequence_scene import (
+    SequenceRefused,
+    check_film,
+    check_material,
+)
 from reflest_core.synbrdf.shapes.mesh_file import find_meshes
+from reflest_core.synbrdf.shapes.procedural import KINDS
 from reflest_core.synbrdf.tabletop.face_ward_bsdf import face_ward_bsdf
+from reflest_core.synbrdf.tabletop.ground import Setting
 from reflest_core.synbrdf.tabletop.tabletop_scene import (
     TabletopChoices,
     TabletopScene,
@@ -73,6 +79,15 @@ class TabletopRequest:
 
     def __post_init__(self) -> None:
         check_film(self.seed, self.frames, self.width, self.height, self.samples, self.rate)
+        if self.choices.ground is not None:
+            check_material("--table-material", self.choices.ground)
+            if self.choices.setting is Setting.CORNER:
+                raise SequenceRefused("--table-material needs a table, but --setting is corner")
+        for thing in self.choices.objects:
+            check_material("--object", thing.ward)
+            if thing.shape not in KINDS:
+                kinds = ", ".join(KINDS)
+                raise SequenceRefused(f"--object is a {thing.shape}, but must be one of {kinds}")
 
     def scene(self) -> TabletopScene:
         """Draw the scene."""
@@ -102,6 +117,12 @@ def write_tabletop(out: Path, request: TabletopRequest, command: str) -> None:
     if out.exists():
         raise SequenceRefused(f"{out} exists: delete it or choose another --out")
     scene = request.scene()
+    missing = len(request.choices.objects) - len(scene.shapes)
+    if missing > 0:
+        raise SequenceRefused(
+            f"the table has no room for {missing} of the objects with --seed {request.seed}: "
+            "give fewer, or another --seed"
+        )
     rendered = mitsuba_tabletop(scene, request.seed)
     settings = FilmSettings(
         request.seed,

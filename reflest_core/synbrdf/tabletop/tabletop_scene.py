@@ -11,17 +11,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf.parameters import WardParameters
 from reflest_core.synbrdf.lights.environments import load_environment, rotated
 from reflest_core.synbrdf.room.draw import draw_room
 from reflest_core.synbrdf.room.geometry import Room
-from reflest_core.synbrdf.scenes.material_sources import Materials
+from reflest_core.synbrdf.scenes.material_sources import Materials, NamedMaterial
 from reflest_core.synbrdf.scenes.painted_mesh import PaintedMesh, joined
 from reflest_core.synbrdf.scenes.scene import ROOM, Light, Scene
 from reflest_core.synbrdf.scenes.seeding import Purpose, generator
 from reflest_core.synbrdf.scenes.splits import Sources, Split
 from reflest_core.synbrdf.sequences.trajectory import Orbit, hand_held_orbit
 from reflest_core.synbrdf.tabletop.ground import Setting, draw_ground
-from reflest_core.synbrdf.tabletop.objects import draw_objects
+from reflest_core.synbrdf.tabletop.objects import ChosenObject, draw_objects
 
 CORNER_SHARE, ROOM_SHARE = 0.25, 0.3
 """Of scenes where the user leaves setting and lighting open."""
@@ -52,11 +53,15 @@ class TabletopChoices:
         setting: What objects stand on.
         light: Where light comes from.
         environment_height: Rows of the environment map.
+        ground: Material of the table, which then has no pattern.
+        objects: What stands on it; empty leaves it to the seed.
     """
 
     setting: Setting | None = None
     light: TabletopLight | None = None
     environment_height: int = 256
+    ground: WardParameters | None = None
+    objects: tuple[ChosenObject, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -98,11 +103,13 @@ def draw_tabletop(
     """
     of_setting, of_ground, of_objects, of_light, of_room, of_views = rng.spawn(6)
     in_corner, in_room = of_setting.uniform(size=2) < [CORNER_SHARE, ROOM_SHARE]
-    setting = choices.setting or (Setting.CORNER if in_corner else Setting.TABLE)
+    drawn = Setting.CORNER if in_corner and choices.ground is None else Setting.TABLE
+    setting = choices.setting or drawn
     near = TabletopLight.NEAR if in_room else TabletopLight.DISTANT
     is_near = (choices.light or near) is TabletopLight.NEAR
-    ground = draw_ground(of_ground, setting, materials)
-    objects, shapes = draw_objects(of_objects, sources.meshes, materials)
+    chosen = None if choices.ground is None else NamedMaterial.given(choices.ground)
+    ground = draw_ground(of_ground, setting, materials, chosen)
+    objects, shapes = draw_objects(of_objects, sources.meshes, materials, choices.objects)
     painted = joined([ground, *objects])
     poses = hand_held_orbit(of_views, views, AIM_DIAMETER, ORBITS[setting])
     light = _draw_light(of_light, sources, choices.environment_height)

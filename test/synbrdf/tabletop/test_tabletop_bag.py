@@ -130,3 +130,42 @@ def test_in_a_room_its_walls_have_depth_and_no_truth(bag, tmp_path):
     np.testing.assert_array_equal(
         read_cloud(tmp_path / "table" / "truth.ply"), read_cloud(bag / "truth.ply")
     )
+
+
+CHOSEN = ["--table-material", "0.4", "0.3", "0.2", "0.04", "0.1"]
+CHOSEN += ["--object", "blob", "0.5", "0.05", "0.04", "0.05", "0.03"]
+CHOSEN += ["--object", "lathe", "0.06", "0.2", "0.4", "0.03", "0.15"]
+
+
+def test_chosen_objects_stand_on_a_chosen_table(tmp_path):
+    out = tmp_path / "chosen"
+    arguments = ["synbrdf", "tabletop", "--out", str(out), "--seed", "32", "--frames", "2"]
+    arguments += ["--samples", "4", "--width", "64", "--height", "48", *CHOSEN]
+    assert main(arguments) == 0
+    truth = json.loads((out / "truth.json").read_text())
+    assert truth["shapes"] == ["blob", "lathe"] and truth["setting"] == "table"
+    found = [(one["part"], one["source"], one["rho_d"][0]) for one in truth["materials"]]
+    assert found == [
+        ("table", "given", 0.4),
+        ("object-1", "given", 0.5),
+        ("object-2", "given", 0.06),
+    ]
+    assert " ".join(CHOSEN) in truth["command"]
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["--object", "cow", "0", "0", "0", "0", "0.1"], "--object is a cow, but must be one of"),
+        (["--object", "blob", "x", "0", "0", "0", "0.1"], "a kind of shape and five numbers"),
+        (["--object", "blob", "0.9", "0", "0", "0.2", "0.1"], "at most 1"),
+        (["--table-material", "0", "0", "0", "0", "2"], "--table-material has alpha 2.0"),
+        ([*CHOSEN[:6], "--setting", "corner"], "--table-material needs a table"),
+        (["--object", "blob", ".1", ".1", ".1", ".1", ".1"] * 40, "the table has no room for"),
+    ],
+)
+def test_what_cannot_stand_on_a_table_is_refused_by_name(tmp_path, capsys, words, sentence):
+    out = tmp_path / "refused"
+    assert main(["synbrdf", "tabletop", "--out", str(out), *words]) == 2
+    assert sentence in capsys.readouterr().err
+    assert not out.exists()
