@@ -26,6 +26,7 @@ from reflest_core.export.environment_file import export_environment
 from reflest_core.export.exporter import EVERY_VOXEL, checked_format, export_scan
 from reflest_core.export.scan_asset import AssetSettings
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.fusion.snapshot import MATERIAL_VOXELS
 
 FRAME_NS = 33_333_333
 """Nanoseconds between frames without a stamp: 30 Hz."""
@@ -160,7 +161,7 @@ class Scanner:
         Raises:
             NoEstimate: Too little was scanned; the sentence says what is missing.
         """
-        return self._pipeline.materials(self._pipeline.snapshot())
+        return self._pipeline.materials(self._pipeline.snapshot(MATERIAL_VOXELS))
 
     def export(self, path: Path | str) -> None:
         """Write the scanned surface with its materials, or the light, to a file.

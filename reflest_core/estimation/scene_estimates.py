@@ -15,7 +15,9 @@ from reflest_core.estimation.physical_ward import physical_ward
 from reflest_core.inference.gloss.network_update import with_posterior
 from reflest_core.inference.gloss.posterior import GlossPosterior, gloss_posterior
 from reflest_core.inference.gloss.rated_surface import RatedSurface
+from reflest_core.inference.gloss.view_changes import view_changes
 from reflest_core.inference.light import SceneLight
+from reflest_core.inference.material_gloss import material_gloss
 from reflest_core.inference.photometric_error import photometric_error
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.inference.transport.surface_irradiance import SurfaceSight, surface_irradiance
@@ -109,8 +111,9 @@ class SceneEstimates:
         """Estimate a material and its voxels.
 
         Of a scene's only material the network gives the albedos, and voxels are scaled to them.
-        Among several the light is known so well that ``rho_s`` and ``rho_d`` follow from it. The
-        roughness is the network's, with what the posterior adds.
+        Among several the light is known so well that ``rho_d`` follows from it; gloss is what the
+        network, the joint light and the changes with the view say together. To the roughness the
+        posterior adds what it knows.
 
         Args:
             material_id: the material.
@@ -120,19 +123,21 @@ class SceneEstimates:
         """
         light, joint = self._light, self._light.joint
         ward, stddev = physical_ward(prediction.ward), prediction.stddev
+        if joint is not None:
+            ward, stddev = self._with_signs(ward, stddev, voxels)
         if stddev is not None and not prediction.has_posterior:
             ward, stddev = with_posterior(ward, stddev, gloss)
         _, inferred, _ = light.inferred[material_id]
         if joint is None:
             found = self._scaled(self._albedo(voxels, ward), ward[RHO_D])
         else:
-            rho_s, rho_s_stddev = joint.gloss_of(voxels)
-            ward[RHO_S] = rho_s
-            found = self._albedo(voxels, ward)
+            # The light and the albedos go with the strength of the same solution.
+            of_light = np.array([*ward[RHO_D], joint.gloss_of(voxels)[0], ward[ALPHA]])
+            found = self._albedo(voxels, of_light)
             ward = physical_ward(np.concatenate([_trimmed_mean(found.rho_d), ward[RHO_S:]]))
             if stddev is not None:
                 of_albedo = ward[RHO_D] * inferred.deviation
-                stddev = np.concatenate([of_albedo, [rho_s_stddev], stddev[ALPHA:]])
+                stddev = np.concatenate([of_albedo, stddev[RHO_S:]])
         error = photometric_error(
             self._surface,
             voxels,
@@ -144,6 +149,23 @@ class SceneEstimates:
         )
         deviation = np.hypot(found.deviation, found.rho_d * inferred.deviation)
         return SceneEstimate(ward, stddev, gloss, found.rho_d, deviation, error)
+
+    def _with_signs(
+        self,
+        ward: NDArray[np.float64],
+        stddev: NDArray[np.float64] | None,
+        voxels: NDArray[np.int64],
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+        """Replace the network's gloss by what all signs of it say together."""
+        joint, changes = self._light.joint, view_changes(self._surface, voxels)
+        if joint is None or changes is None:
+            return ward, stddev
+        irradiance = float(self._irradiance[voxels].mean())
+        gloss = material_gloss(changes, ward, joint.gloss_of(voxels)[0], irradiance)
+        ward = np.array([*ward[RHO_D], gloss.rho_s, gloss.alpha])
+        if stddev is not None:
+            stddev = np.array([*stddev[RHO_D], gloss.rho_s_stddev, gloss.alpha_stddev])
+        return ward, stddev
 
     def _albedo(self, voxels: NDArray[np.int64], ward: NDArray[np.float64]) -> VoxelAlbedo:
         scene = self._surface, voxels, self._light.completed, self._sight, self._irradiance

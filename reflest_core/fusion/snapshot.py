@@ -23,6 +23,8 @@ LEAST_SHARE = 1024
 
 MOST_VOXELS = 10_000
 """A larger store is thinned, so that neither the copy nor an estimate from it costs more."""
+MATERIAL_VOXELS = 60_000
+"""The same where the surface is divided into materials: neighbours must not be thinned away."""
 
 
 def observed_surface(

@@ -45,8 +45,9 @@ MOST_SAMPLED, FEWEST_EACH, MOST_EACH = 1500, 24, 192
 """Voxels of all segments together, and bounds for each."""
 EVERY = 2
 """Of the sampled observations the light is inferred from every second."""
-TURNS = 12
-"""Gauss-Newton steps from the prior; after them albedos hardly change."""
+TURNS, TURNS_AGAIN = 12, 6
+"""Gauss-Newton steps from the prior, and from an earlier light; after them albedos hardly
+change."""
 FIRST_ALBEDO = 0.2
 USUAL_ROUGHNESS = 4
 """Index into :data:`.ROUGHNESSES`, for a segment with too few observations to fit gloss."""
@@ -216,6 +217,7 @@ class JointInference:
         start: JointLight | None = None,
         turns: int = TURNS,
         light_prior: LightPrior = BRIGHT,
+        known: JointLight | None = None,
     ) -> JointLight:
         """Solve for the light, and ``rho_d`` and ``rho_s`` of each segment.
 
@@ -224,6 +226,7 @@ class JointInference:
             start: a solution for the same segments to begin from; None begins from the prior.
             turns: Gauss-Newton steps.
             light_prior: what unseen and clipped light may hold.
+            known: a solution for other segments, whose light is begun from.
         """
         sample = self._sample.every(EVERY)
         segment_of = self._segment_of_voxel[sample.voxel_of]
@@ -249,9 +252,8 @@ class JointInference:
                 gloss.rho_s[present],
                 prior,
             )
-            state = ChannelState(
-                np.full(len(present), FIRST_ALBEDO), gloss.rho_s[present], prior.mean
-            )
+            light = prior.mean if known is None else known.factors[channel]
+            state = ChannelState(np.full(len(present), FIRST_ALBEDO), gloss.rho_s[present], light)
             if start is not None:
                 state = ChannelState(
                     start.rho_d[present, channel], start.rho_s[present], start.factors[channel]

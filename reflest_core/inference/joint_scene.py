@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from reflest_core.inference.gloss_fit import GlossFit
 from reflest_core.inference.joint_light import (
+    TURNS_AGAIN,
     JointInference,
     JointLight,
 )
@@ -18,7 +19,6 @@ from reflest_core.inference.light_from_shading import InferredLight
 from reflest_core.inference.light_prior import DIM
 from reflest_core.inference.transport.patch_grid import PATCHES
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
-from reflest_core.light.completion import LightPyramid
 from reflest_core.light.light_map import ObservedLight
 from reflest_core.surface.diffuse_colours import diffuse_colours
 from reflest_core.surface.observed_surface import ObservedSurface
@@ -90,7 +90,7 @@ def infer_jointly(
     observed: ObservedLight,
     labels: NDArray[np.int64],
     occluders: SceneOccluders | None = None,
-    known: LightPyramid | None = None,
+    known: JointLight | None = None,
 ) -> JointScene:
     """Infer the light of a scene and the albedo of its segments.
 
@@ -99,8 +99,8 @@ def infer_jointly(
         observed: the light as it was seen.
         labels: (V,) segment 0, 1, ... of each voxel, -1 for none; one at least is observed.
         occluders: surfels of the scene; None computes them.
-        known: the scene's light as it was completed before, under which gloss is fitted; None
-            begins from what was seen, and infers the light twice.
+        known: the scene's light as it was inferred before, for any segments: gloss is fitted under
+            it, and the new light begins from it; None begins from what was seen, and infers twice.
     """
     if occluders is None:
         colours = diffuse_colours(surface, np.arange(surface.voxel_count), 0.5)
@@ -108,9 +108,9 @@ def infer_jointly(
     inference = JointInference(surface, labels, observed, occluders)
     if known is None:
         _, gloss = inference.gloss()
-        known = inference.infer(gloss).light
-    fits, gloss = inference.gloss(known)
-    light = inference.infer(gloss)
+        known = inference.infer(gloss)
+    fits, gloss = inference.gloss(known.light)
+    light = inference.infer(gloss, turns=TURNS_AGAIN, known=known)
     dim = inference.infer(gloss, light, DIM_TURNS, DIM)
     return JointScene(labels, occluders, light, dim, tuple(fits))
 

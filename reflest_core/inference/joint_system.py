@@ -41,9 +41,12 @@ WEIGHT = 0.1
 """Power of the observations' likelihood beside the priors: neighbours err together."""
 EVIDENCE = 0.01
 """Share of the observations that err each for itself; the deviations count no more than these."""
-LOG_ALBEDO = (math.log(0.12), 2.5)
-"""Prior mean and standard deviation of ``ln rho_d``. Measured materials have a spread of 1.2; of
-segments several are of one material, and so count less."""
+ALBEDO, LOG_ALBEDO = (0.2, 0.3), (math.log(0.12), 3.0)
+"""Prior means and standard deviations of ``rho_d``, and of ``ln rho_d`` beside it: measured
+materials are more often dark than bright. Several segments are of one material, so that the spread
+of the logarithms is greater than that of materials, 1.2."""
+MODEL_ERROR = 0.15
+"""Standard deviation of ``ln rho_d`` that no number of observations removes."""
 DARKEST = 0.003
 """``rho_d`` below which the prior is no narrower."""
 NEGLIGIBLE = 1e-4
@@ -156,7 +159,7 @@ class ChannelSystem:
         misfit = RELATIVE * float(np.sqrt(np.log1p(relative**2).mean())) if len(error) else 0.0
         return ChannelSolution(
             ChannelState(rho_d, rho_s, light),
-            deviation[:segments] / np.maximum(rho_d, SMALLEST_ALBEDO),
+            np.hypot(deviation[:segments] / np.maximum(rho_d, SMALLEST_ALBEDO), MODEL_ERROR),
             deviation[segments : 2 * segments],
             light_deviation,
             misfit,
@@ -227,7 +230,9 @@ class ChannelSystem:
 
 
 def _albedo_prior(rho_d: Array) -> tuple[Array, Array]:
-    """Mean and deviation (S,) of Gaussians that touch the log-normal prior of ``rho_d`` there."""
-    mean, spread = LOG_ALBEDO
+    """Mean and deviation (S,) of the Gaussians that touch the prior of ``rho_d`` there."""
+    (mean, width), (log_mean, spread) = ALBEDO, LOG_ALBEDO
     held = np.maximum(rho_d, DARKEST)
-    return held * (1.0 + np.clip(mean - np.log(held), -1.0, 1.0)), spread * held
+    by_log = held * (1.0 + np.clip(log_mean - np.log(held), -1.0, 1.0))
+    own, other = width**-2.0, (spread * held) ** -2.0
+    return (own * mean + other * by_log) / (own + other), (own + other) ** -0.5

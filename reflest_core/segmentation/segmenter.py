@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from reflest_core.brdf.lab import rgb_to_lab
 from reflest_core.inference.gloss_fit import EVIDENCE, GlossFit
+from reflest_core.inference.joint_light import JointLight
 from reflest_core.inference.joint_scene import JointScene, infer_jointly
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.inference.transport.surface_irradiance import SurfaceSight, surface_irradiance
@@ -70,7 +71,7 @@ class Segmenter:
         """Begin a scan; no id was given yet."""
         self._ids = MaterialIds()
         self._last = np.zeros(0, np.int64), np.zeros(0, np.int64)
-        self._light: LightPyramid | None = None
+        self._light: JointLight | None = None
 
     def segment(self, surface: ObservedSurface, observed: ObservedLight) -> SegmentedScene:
         """Divide the observed voxels of a scan into materials.
@@ -96,10 +97,10 @@ class Segmenter:
         known = self._light
         if known is None:
             fine = divided(complete(observed), FINE)
-            known = infer_jointly(surface, observed, fine, occluders).light.light
-        labels = divided(known, COARSE)
+            known = infer_jointly(surface, observed, fine, occluders).light
+        labels = divided(known.light, COARSE)
         joint = infer_jointly(surface, observed, labels, occluders, known)
-        self._last, self._light = (keys, labels), joint.light.light
+        self._last, self._light = (keys, labels), joint.light
         irradiance = surface_irradiance(joint.light.light, sight)[:, RADIANCE]
         groups = _groups(surface, pairs, joint, _majority(labels, old_ids))
         ids = self._ids.match(keys, groups[labels])

@@ -23,7 +23,12 @@ def materials(record: Record) -> Lines:
     Args:
         record: Result of :func:`.measure_materials`.
     """
-    titles = {"materials": "many materials", "whole": "one material for the scan"}
+    titles = {
+        "materials": "many materials in one light",
+        "true_segments": "the same with the true segments",
+        "alone": "each material in its own light",
+        "whole": "one material for the scan",
+    }
     means = [
         [titles[name], *(float(of[column]) for column in COLUMNS)]
         for name, of in record["means"].items()

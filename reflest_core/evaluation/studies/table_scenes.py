@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 from tqdm import tqdm
 
 from reflest_core.brdf.lab import luminance
@@ -29,13 +30,16 @@ from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.evaluation.statistics.map_stability import Change, change_between
 from reflest_core.evaluation.statistics.material_clouds import (
+    MATCHED_WITHIN,
     CloudErrors,
     compare_clouds,
     read_cloud,
 )
 from reflest_core.export.material_ply import material_vertices
+from reflest_core.fusion.snapshot import MATERIAL_VOXELS
 from reflest_core.rendering.environments import irradiance
 from reflest_core.surface.partition import Partition
+from reflest_core.surface.selection import keep_voxels
 from reflest_core.synbrdf.lights.environments import find_environments, load_environment, rotated
 
 TRUTH = "truth.ply"
@@ -43,6 +47,8 @@ EVERY_VOXEL = 1 << 24
 """More voxels than a scan's memory budget holds."""
 NORMALS = 200
 """Directions that the irradiance is compared on."""
+VARIANTS = ("materials", "true_segments", "alone", "whole")
+"""Ours; with the true segments; each material in light inferred from it alone; all as one."""
 MEANS = ("z", "rmse", "log_rho_d", "ari", "balanced_ari", "purity", "completeness", "matched")
 
 
@@ -80,14 +86,13 @@ def measure_materials(
     rows = []
     for scene in tqdm(scenes[:limit], desc="scenes", unit="scene", leave=False):
         rows.append(_measure(scene, environments))
-    whole = [row["whole"] for row in rows]
     known = [row["irradiance"] for row in rows if row["irradiance"] is not None]
     found = [row["materials"] for row in rows]
     return {
         "scenes": len(rows),
         "means": {
-            "materials": {name: float(np.mean([one[name] for one in found])) for name in MEANS},
-            "whole": {name: float(np.mean([one[name] for one in whole])) for name in MEANS},
+            variant: {name: float(np.mean([row[variant][name] for row in rows])) for name in MEANS}
+            for variant in VARIANTS
         },
         "inside": np.nanmean([one["inside"] for one in found], axis=0).tolist(),
         "irradiance": None if not known else float(np.mean(known)),
@@ -110,7 +115,7 @@ def _measure(scene: Path, environments: Path | None) -> dict[str, Any]:
             continue
         if scanned.keyframe is not None:
             try:
-                maps.append(pipeline.materials(scanned.keyframe))
+                maps.append(pipeline.materials(pipeline.snapshot(MATERIAL_VOXELS)))
             except NoEstimate:
                 continue
     snapshot = pipeline.snapshot(EVERY_VOXEL)
@@ -129,6 +134,8 @@ def _measure(scene: Path, environments: Path | None) -> dict[str, Any]:
         "cpu_seconds": seconds,
         "materials": dataclasses.asdict(_errors(final, truth)),
         "whole": dataclasses.asdict(_errors(_as_one(pipeline, final), truth)),
+        "alone": dataclasses.asdict(_errors(_each_alone(pipeline, final), truth)),
+        "true_segments": dataclasses.asdict(_errors(_true_segments(pipeline, final, truth), truth)),
         "irradiance": irradiance_error(final, card, environments),
         "kept": _mean([change.kept for change in changes]),
         "small_steps": _small_steps(changes),
@@ -144,6 +151,33 @@ def _as_one(pipeline: Pipeline, found: MaterialMap) -> MaterialMap:
     surface = found.surface
     return pipeline.estimator.materials(
         surface, Partition.whole(surface), found.stamp_ns, found.frame_id
+    )
+
+
+def _each_alone(pipeline: Pipeline, found: MaterialMap) -> MaterialMap:
+    """The same materials, each estimated in light inferred from it alone."""
+    rho_d, stddev = np.full_like(found.rho_d, np.nan), np.full_like(found.rho_d, np.nan)
+    ids, materials = found.material_ids, []
+    for material in found.materials:
+        voxels = np.flatnonzero(ids == material.id)
+        part = keep_voxels(found.surface, voxels)
+        try:
+            estimate = pipeline.estimator.estimate(part, found.stamp_ns, found.frame_id)
+        except NoEstimate:
+            continue
+        rho_d[voxels], stddev[voxels] = estimate.rho_d, estimate.rho_d_stddev
+        materials.append(dataclasses.replace(material, estimate=estimate))
+    return dataclasses.replace(found, materials=tuple(materials), rho_d=rho_d, rho_d_stddev=stddev)
+
+
+def _true_segments(pipeline: Pipeline, found: MaterialMap, truth: NDArray[np.void]) -> MaterialMap:
+    """The same scan divided by the truth; what lies far from every true point is one more."""
+    places = np.stack([truth[axis] for axis in "xyz"], axis=1)
+    distance, nearest = cKDTree(places).query(found.surface.positions)
+    true_ids = truth["material_id"].astype(np.int64)
+    ids = np.where(distance <= MATCHED_WITHIN, 1 + true_ids[nearest], 2 + true_ids.max())
+    return pipeline.estimator.materials(
+        found.surface, Partition.of(found.surface, ids), found.stamp_ns, found.frame_id
     )
 
 

@@ -94,7 +94,7 @@ def test_a_solution_to_begin_from_is_hardly_left(scene, found):
 
 def test_gloss_is_fitted_under_a_light_that_is_known(scene, found):
     labels, surface = scene.labels, scene.surface
-    again = infer_jointly(surface, surface.light, labels, scene.occluders, found.light)
+    again = infer_jointly(surface, surface.light, labels, scene.occluders, found)
     moved = np.abs(np.log(again.light.rho_d / found.rho_d))
     assert (moved < found.rho_d_log_deviation).all()
 

@@ -59,7 +59,9 @@ def test_a_scene_is_measured_and_is_on_the_page(tables, tmp_path):
     assert record["means"]["materials"]["z"] == row["materials"]["z"]
     assert 0.0 <= row["kept"] <= 1.0
     page = (tmp_path / "index.md").read_text()
-    line = next(line for line in page.splitlines() if line.startswith("| many materials |"))
+    line = next(
+        line for line in page.splitlines() if line.startswith("| many materials in one light |")
+    )
     cells = [cell.strip() for cell in line.strip("|").split("|")]
     assert cells[1] == f"{record['means']['materials']['z']:.3f}"
     assert cells[5] == f"{record['means']['materials']['purity']:.3f}"
