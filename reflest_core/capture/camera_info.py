@@ -16,7 +16,7 @@ from reflest_core.capture.settings import CaptureSettings
 
 APPLIED_MODELS = ("plumb_bob", "rational_polynomial")
 COEFFICIENT_COUNTS = (4, 5, 8, 12, 14)
-# With these, coefficients of zero are still a fisheye, not a pinhole.
+# With these, coefficients of zero are still a fisheye; none at all are a pinhole.
 FISHEYE_MODELS = ("equidistant", "fisheye", "kannala_brandt", "kannala_brandt4")
 FISHEYE_COUNT = 4
 
@@ -103,6 +103,8 @@ def _matrix(info: CameraInfoMessage, topic: str, rectified: bool) -> NDArray[np.
 
 
 def _checked_distortion(info: CameraInfoMessage, topic: str) -> tuple[float, ...]:
+    if not info.d:  # no distortion under any model, as image_geometry takes it
+        return ()
     if info.distortion_model in FISHEYE_MODELS:
         if len(info.d) < FISHEYE_COUNT or any(info.d[FISHEYE_COUNT:]):
             raise _not_applied(info, topic)

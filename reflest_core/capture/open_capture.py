@@ -85,6 +85,11 @@ def _folder_kind(path: Path, names: list[str]) -> FolderKind:
                 return kind
     if path.suffix == ".bag":
         raise CaptureError(f"{path} is a ROS 1 bag: convert it with rosbags-convert")
+    if path.suffix == ".r3d" or "rgbd" in names:
+        raise CaptureError(
+            f"{path} is a Record3D recording (.r3d), whose depth is compressed with LZFSE, which "
+            "is not read: export it from the app as EXR + RGB"
+        )
     raise CaptureError(
         f"{path} is not a capture: expected an .mcap or .db3 file, a rosbag2 directory, or a "
         f"folder of one of these formats: {FOLDERS}"

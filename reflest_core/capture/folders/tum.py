@@ -10,6 +10,7 @@ frame, tx ty tz qx qy qz qw; OpenLORIS gives those of the robot's base, which
 from __future__ import annotations
 
 import heapq
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from decimal import Decimal, InvalidOperation
@@ -29,6 +30,8 @@ from reflest_core.capture.refusal import CaptureError, FrameRefused, RefusalCaus
 
 TUM_LISTS = {Role.RGB: "rgb.txt", Role.DEPTH: "depth.txt", Role.POSE: "groundtruth.txt"}
 OPENLORIS_LISTS = {**TUM_LISTS, Role.RGB: "color.txt", Role.DEPTH: "aligned_depth.txt"}
+SENSORS = "sensors.yaml"
+COLOUR_CAMERA = "d400_color_optical_frame"
 Line = tuple[int, list[str]]
 
 
@@ -50,9 +53,33 @@ def open_openloris(folder: Path, pinhole: Pinhole | None) -> TumFolder:
 
     Args:
         folder: The folder with color.txt, aligned_depth.txt and groundtruth.txt.
-        pinhole: fx, fy, cx, cy in pixels; None reads camera-intrinsics.txt.
+        pinhole: fx, fy, cx, cy in pixels; None reads sensors.yaml of the folder or its parent, or
+            camera-intrinsics.txt.
     """
+    if pinhole is None:
+        for place in (folder, folder.absolute().parent):
+            if (place / SENSORS).is_file():
+                pinhole = _colour_camera(place / SENSORS)
+                break
     return TumFolder(folder, pinhole, OPENLORIS_LISTS, 0.001)
+
+
+def _colour_camera(path: Path) -> Pinhole:
+    """The colour camera's fx, fy, cx, cy of OpenLORIS' sensors.yaml, which has fx, cx, fy, cy."""
+    # OpenCV wrote the file, whose first line YAML readers refuse.
+    _, _, of_camera = f"\n{read_text(path)}".partition(f"\n{COLOUR_CAMERA}:")
+    _, _, intrinsics = re.split(r"\n(?=\S)", of_camera, maxsplit=1)[0].partition("intrinsics:")
+    numbers = intrinsics.partition("[")[2].partition("]")[0].split(",")
+    try:
+        fx, cx, fy, cy = (float(word) for word in numbers)
+    except ValueError:
+        fx = fy = cx = cy = 0.0
+    if not 0.5 < fx / max(fy, 1e-9) < 2.0:
+        raise CaptureError(
+            f"{path} holds no intrinsics fx, cx, fy, cy of {COLOUR_CAMERA}: give "
+            "--intrinsics FX FY CX CY"
+        )
+    return fx, fy, cx, cy
 
 
 class TumFolder:

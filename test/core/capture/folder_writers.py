@@ -81,7 +81,23 @@ def write_openloris(folder, count):
         lists["groundtruth.txt"].append(" ".join([stamp, *map(repr, map(float, numbers))]))
     for name, lines in lists.items():
         (folder / name).write_text("\n".join(lines))
-    np.savetxt(folder / "camera-intrinsics.txt", MATRIX)
+    (folder / "sensors.yaml").write_text(openloris_sensors())
+
+
+def openloris_sensors(order=("fx", "cx", "fy", "cy")):
+    """OpenLORIS' calibration, as its publishers wrote it with OpenCV."""
+    values = {"fx": MATRIX[0, 0], "fy": MATRIX[1, 1], "cx": MATRIX[0, 2], "cy": MATRIX[1, 2]}
+    data = ", ".join(f"{values[name]:.16e}" for name in order)
+    block = (
+        "   sensor_type: camera\n   fps: 30\n   width: 848\n   height: 480\n   model: pinhole\n"
+        "   intrinsics: !!opencv-matrix\n      rows: 1\n      cols: 4\n      dt: d\n"
+    )
+    other = "      data: [ 9., 9.,\n          9., 9. ]\n"
+    return (
+        f"%YAML:1.0\nd400_depth_optical_frame:\n{block}{other}"
+        f"d400_color_optical_frame:\n{block}      data: [ {data} ]\n"
+        f"t265_fisheye1_optical_frame:\n{block}{other}"
+    )
 
 
 def write_icl_nuim(folder, count):

@@ -56,7 +56,7 @@ def test_rectified_images_use_p_and_need_no_distortion():
         ({"k": K[:6]}, "6 values"),
         ({"width": 0}, "0 x 480"),
         ({"d": PLUMB_BOB, "distortion_model": "thin_prism"}, "'thin_prism'"),
-        ({"d": (), "distortion_model": "equidistant"}, "'equidistant'"),
+        ({"d": (0.1, 0.0), "distortion_model": "equidistant"}, "'equidistant'"),
         ({"d": PLUMB_BOB, "distortion_model": ""}, "''"),
         ({"d": PLUMB_BOB[:3], "distortion_model": "plumb_bob"}, "3 coefficients"),
         ({"d": (math.nan,) * 5, "distortion_model": "plumb_bob"}, "NaN"),
@@ -73,6 +73,13 @@ def test_a_bad_field_is_refused_and_named(fields, word):
 def test_zero_coefficients_are_no_distortion(model):
     info = replace(INFO, d=(0.0,) * 5, distortion_model=model)
     assert check_camera_info(info, "/info", SETTINGS).distortion == ()
+
+
+@pytest.mark.parametrize("model", ["plumb_bob", "rational_polynomial", "equidistant", "fisheye"])
+def test_no_coefficients_are_no_distortion_under_any_model(model):
+    camera = check_camera_info(replace(INFO, d=(), distortion_model=model), "/info", SETTINGS)
+    assert camera.distortion == ()
+    assert not camera.is_fisheye
 
 
 @pytest.mark.parametrize(

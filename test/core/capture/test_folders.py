@@ -18,7 +18,14 @@ from reflest_core.capture.settings import CaptureSettings
 from reflest_core.fusion.poses.check import PoseCheck
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
-from test.core.capture.folder_writers import LOSSY, WRITERS, write_scannet
+from test.core.capture.folder_writers import (
+    LOSSY,
+    MATRIX,
+    WRITERS,
+    openloris_sensors,
+    write_openloris,
+    write_scannet,
+)
 from test.core.capture.recording import (
     FOCAL,
     HEIGHT,
@@ -101,6 +108,28 @@ def test_a_bad_intrinsics_file_is_named(scenes, content):
     (scenes / "camera-intrinsics.txt").write_text(content)
     with pytest.raises(CaptureError, match=r"camera-intrinsics.txt does not hold a 3 x 3"):
         open_capture(scenes)
+
+
+def test_openloris_intrinsics_are_read_in_the_order_that_they_have(tmp_path):
+    write_openloris(tmp_path, 2)
+    (frame, _) = open_capture(tmp_path)
+    assert frame.intrinsics.matrix.tolist() == MATRIX.tolist()
+    for content in (openloris_sensors(("fx", "fy", "cx", "cy")), "", "d400_color_optical_frame:"):
+        (tmp_path / "sensors.yaml").write_text(content)
+        with pytest.raises(CaptureError, match=r"sensors\.yaml holds no intrinsics.*--intrinsics"):
+            open_capture(tmp_path)
+
+
+@pytest.mark.parametrize("is_unpacked", [False, True])
+def test_a_record3d_archive_is_named(tmp_path, is_unpacked):
+    path = tmp_path / "scan.r3d"
+    if is_unpacked:
+        (path / "rgbd").mkdir(parents=True)
+        (path / "metadata").write_text("{}")
+    else:
+        path.write_bytes(b"PK\x03\x04")
+    with pytest.raises(CaptureError, match=r"LZFSE.*export it from the app as EXR \+ RGB"):
+        open_capture(path)
 
 
 @pytest.mark.parametrize("name", ["rgb.txt", "depth.txt", "groundtruth.txt"])
