@@ -169,12 +169,14 @@ def test_a_scan_outlives_every_kill(start, settings_file, tmp_path, domain_id):
         assert "resumed" in node.output or not sent
         peer = RosPeer(domain_id, "/killed")
         try:
-            for _ in range(choice.randrange(3, 9)):
+            count = choice.randrange(3, 9)
+            for _ in range(count):
                 sent += 1
                 stamp_ns = known[0].stamp_ns + sent * PERIOD_NS
                 view = dataclasses.replace(known[sent % 12], stamp_ns=stamp_ns)
                 for topic, message in messages_of(view):
                     peer.publish(f"/killed{topic}", message)
+            peer.wait_for_count("messages rgb", count)
             assert peer.call(Estimate, "estimate").success
             peer.wait_until(path.exists, "nothing was saved")
             time.sleep(choice.random() * 0.3)

@@ -32,6 +32,8 @@ def test_every_service_of_the_node_is_in_the_policy(node, peer):
     """As the graph shows them: no service hides in another node."""
     peer.wait_until(lambda: peer.state == "scanning", "the node is not discovered")
     peer.wait_until(lambda: peer.has_service("estimate"), "its services are not discovered")
+    names = peer._node.get_node_names
+    peer.wait_until(lambda: "reflest_estimator" in names(), "its name is not discovered")
     graph = peer._node.get_service_names_and_types_by_node("reflest_estimator", "/")
     allowed = {one.text for one in ElementTree.parse(FILE).iter("service")}
     assert {name.removeprefix("/") for name, _ in graph} == allowed

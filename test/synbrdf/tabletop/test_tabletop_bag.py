@@ -143,7 +143,8 @@ def test_chosen_objects_stand_on_a_chosen_table(tmp_path):
     arguments += ["--samples", "4", "--width", "64", "--height", "48", *CHOSEN]
     assert main(arguments) == 0
     truth = json.loads((out / "truth.json").read_text())
-    assert truth["shapes"] == ["blob", "lathe"] and truth["setting"] == "table"
+    assert truth["shapes"] == ["blob", "lathe"]
+    assert truth["setting"] == "table"
     found = [(one["part"], one["source"], one["rho_d"][0]) for one in truth["materials"]]
     assert found == [
         ("table", "given", 0.4),
