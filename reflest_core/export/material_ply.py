@@ -7,10 +7,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from plyfile import PlyData, PlyElement
 
 from reflest_core.estimation.material_map import MaterialMap
 from reflest_core.export.errors import ExportError
+from reflest_core.ply_file import write_ply
 from reflest_core.whole_file import whole_file
 
 CHANNELS = ("r", "g", "b")
@@ -43,12 +43,11 @@ def export_materials(materials: MaterialMap, path: Path) -> None:
     """
     if path.suffix.lower() != ".ply":
         raise ExportError(f"{path} does not end in .ply")
-    element = PlyElement.describe(material_vertices(materials), "vertex")
     comments = ["reflest materials: metres, linear sRGB, Ward's model"]
     if materials.world_frame_id:
         comments.append(f"frame {materials.world_frame_id}")
     with whole_file(path) as file:
-        PlyData([element], byte_order="<", comments=comments).write(file)
+        write_ply(file, {"vertex": material_vertices(materials)}, comments)
 
 
 def material_vertices(materials: MaterialMap) -> np.ndarray:

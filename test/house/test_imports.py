@@ -17,6 +17,7 @@ LEAVES = (
     "parameter",
     "parameter_file",
     "jit",
+    "ply_file",
     "whole_file",
     "provenance",
     "source_fingerprint",

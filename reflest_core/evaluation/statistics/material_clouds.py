@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from plyfile import PlyData, PlyParseError
 from scipy.spatial import cKDTree
 
 from reflest_core.brdf.lab import luminance
@@ -25,6 +24,7 @@ from reflest_core.evaluation.statistics.segmentation import (
     purity,
 )
 from reflest_core.models.card import WARD_NAMES
+from reflest_core.ply_file import read_vertices
 
 SPREAD = np.array([0.25, 0.25, 0.25, 0.20, 0.06])
 """Of materials, in ``rho_d`` r g b, ``rho_s``, ``alpha``: errors are divided by it."""
@@ -87,8 +87,8 @@ def read_cloud(path: Path) -> NDArray[np.void]:
         EvaluationError: It cannot be read, or it lacks a property.
     """
     try:
-        vertices: NDArray[np.void] = PlyData.read(str(path))["vertex"].data
-    except (OSError, KeyError, ValueError, PlyParseError) as error:
+        vertices = read_vertices(path)
+    except (OSError, ValueError) as error:
         raise EvaluationError(f"{path} is not a PLY file of materials ({error})") from error
     needed = {"x", "y", "z", *PROPERTIES, "material_id"}
     missing = sorted(needed - set(vertices.dtype.names or ()))

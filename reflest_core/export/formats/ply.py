@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from plyfile import PlyData, PlyElement
 
 from reflest_core.brdf import srgb
 from reflest_core.export.asset import Asset, AssetMesh
 from reflest_core.export.microfacet_material import MicrofacetMaterial
+from reflest_core.ply_file import write_ply
 
 
 def ply(asset: Asset, file_name: str) -> dict[str, bytes]:
@@ -50,12 +50,8 @@ def ply(asset: Asset, file_name: str) -> dict[str, bytes]:
         vertices[name] = values
     faces = np.empty(len(mesh.faces), [("vertex_indices", "<i4", (3,))])
     faces["vertex_indices"] = mesh.faces
-    elements = [
-        PlyElement.describe(vertices, "vertex"),
-        PlyElement.describe(faces, "face"),
-    ]
     content = io.BytesIO()
-    PlyData(elements, byte_order="<", comments=["reflest, metres, z up"]).write(content)
+    write_ply(content, {"vertex": vertices, "face": faces}, ["reflest, metres, z up"])
     return {file_name: content.getvalue()}
 
 

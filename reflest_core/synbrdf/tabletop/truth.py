@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.gloss import to_labcd
+from reflest_core.ply_file import read_vertices, write_ply
 from reflest_core.synbrdf.scenes.painted_mesh import PaintedMesh
 from reflest_core.synbrdf.scenes.scene_materials import SceneMaterial
 from reflest_core.synbrdf.sequences.sequence_truth import TRUTH
@@ -27,7 +28,6 @@ POINT = np.dtype(
     ]
 )
 """A point of the cloud: as ``reflest replay --materials`` writes it, without deviations."""
-PLY_TYPES = {"f4": "float", "u2": "ushort", "u4": "uint"}
 
 
 def truth_points(
@@ -65,10 +65,8 @@ def write_cloud(path: Path, points: NDArray[np.void]) -> None:
         path: the file.
         points: records of the type that :func:`read_cloud` gives.
     """
-    properties = [f"property {PLY_TYPES[POINT[name].str[1:]]} {name}" for name in POINT.names or ()]
-    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}"]
-    text = "\n".join([*header, *properties, "end_header", ""])
-    path.write_bytes(text.encode("ascii") + points.tobytes())
+    with path.open("wb") as file:
+        write_ply(file, {"vertex": points})
 
 
 def read_cloud(path: Path) -> NDArray[np.void]:
@@ -76,10 +74,11 @@ def read_cloud(path: Path) -> NDArray[np.void]:
 
     Args:
         path: the file.
+
+    Raises:
+        ValueError: It is damaged.
     """
-    header, _, data = path.read_bytes().partition(b"end_header\n")
-    count = int(header.split(b"element vertex ")[1].split()[0])
-    return np.frombuffer(data, POINT, count)
+    return read_vertices(path)
 
 
 def material_cards(painted: PaintedMesh, points: NDArray[np.void]) -> list[dict[str, Any]]:
