@@ -29,6 +29,7 @@ from reflest_core.fusion.poses.check import PoseCheck, PoseReport
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.fusion.snapshot import MOST_VOXELS
+from reflest_core.segmentation.segmenter import Segmenter
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import Partition
 
@@ -242,6 +243,7 @@ class Pipeline:
         Raises:
             ReflestError: The file cannot be written.
         """
+        self.scan.material_ids = self._memory.segmenter.given_ids
         self.scan.save(path)
 
     def load(self, path: Path) -> None:
@@ -276,7 +278,7 @@ class Pipeline:
             scan: It belongs to this scanner from now on.
         """
         self.scan = scan
-        self._memory = ScanMemory()
+        self._memory = ScanMemory(Segmenter(scan.material_ids))
         self.poses = PoseCheck()
         self.restart_clock()
         self._last_pose = None

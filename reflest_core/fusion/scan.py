@@ -33,6 +33,7 @@ from reflest_core.fusion.snapshot import MOST_VOXELS, observed_surface
 from reflest_core.fusion.tsdf.volume import TsdfVolume
 from reflest_core.light.exposure_gain import may_share_view
 from reflest_core.light.light_map import LightMap
+from reflest_core.surface.material_ids import GivenIds
 from reflest_core.surface.observed_surface import ObservedSurface
 
 NEW_SURFACE_SHARE = 0.2
@@ -83,7 +84,7 @@ class Scan:
             raise MemoryBudgetError.of(self.fusion) from None
         self.views = ViewTable(budget.views)
         self.light = LightMap()
-        self.work_sphere = WorkSphere()
+        self.work_sphere, self.material_ids = WorkSphere(), GivenIds()
         self.frame_number = 0
         self.last_stamp_ns: int | None = None
         self.frame_id, self.world_frame_id = "", ""
@@ -146,7 +147,6 @@ class Scan:
         if known is not None and self.views.frames[known.view] >= self.fusion.frames_per_view:
             return dataclasses.replace(fused, view=known.view, is_redundant=True)
         self.frame_number += 1
-
         # The surface: fuse the depth, then renew what the store knows of the blocks it changed.
         threads = self.fusion.threads
         near, erased = self.volume.allocate(frame, pixels, self.frame_number)
@@ -282,6 +282,7 @@ class Scan:
             "world_frame_id": self.world_frame_id,
             "exposure_gain": self.light.gain,
             "work_sphere": dataclasses.asdict(self.work_sphere),
+            "next_material_id": self.material_ids.next_id,
         }
         arrays = {
             f"{part}_{name}": array[: stage.count]
@@ -289,7 +290,7 @@ class Scan:
             for name, array in stage.arrays.items()
         }
         arrays |= {f"light_{name}": array for name, array in self.light.arrays.items()}
-        write_scan(Path(path), header, arrays)
+        write_scan(Path(path), header, arrays | self.material_ids.arrays)
 
     @classmethod
     def load(cls, path: Path | str, own: FusionSettings | None = None) -> Scan:
@@ -332,6 +333,7 @@ class Scan:
             scan.last_stamp_ns = scan._clock_ns = header.last_stamp_ns
             scan.frame_id, scan.world_frame_id = header.frame_id, header.world_frame_id
             scan.work_sphere = WorkSphere.from_json(header.work_sphere)
+            scan.material_ids = GivenIds.stored(stored, arrays)
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise damaged(path, error) from None
         return scan

@@ -9,11 +9,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.surface.material_ids import GivenIds
+
 MOST_MATERIALS = 256
 """Of one map; what a message holds."""
 LEAST_SHARE = 0.25
 """A material keeps its id where the two share this much of the smaller one's common voxels."""
-FIRST_ID = 1
 
 
 @dataclass
@@ -21,14 +22,10 @@ class MaterialIds:
     """Matches materials with those of the keyframe before; memory is bounded by its voxels.
 
     Attributes:
-        keys: (V,) int64, voxel keys of the last keyframe, rising.
-        ids: (V,) int64, the material of each.
-        next_id: the first id that was never given.
+        given: ids of the last keyframe's voxels.
     """
 
-    keys: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
-    ids: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
-    next_id: int = FIRST_ID
+    given: GivenIds = field(default_factory=GivenIds)
 
     def match(self, keys: NDArray[np.int64], labels: NDArray[np.int64]) -> NDArray[np.int64]:
         """Give each material the id of the earlier one that it overlaps most; new ids to the rest.
@@ -55,18 +52,18 @@ class MaterialIds:
         ids = np.full(materials, -1, np.int64)
         for material, known in self._matches(keys, labels):
             ids[material] = known
-        is_new = ids < 0
-        ids[is_new] = self.next_id + np.arange(int(is_new.sum()))
-        self.next_id += int(is_new.sum())
-        self.keys, self.ids = keys, ids[labels]
+        is_new, next_id = ids < 0, self.given.next_id
+        ids[is_new] = next_id + np.arange(int(is_new.sum()))
+        self.given = GivenIds(keys, ids[labels], next_id + int(is_new.sum()))
         return ids
 
     def _matches(self, keys: NDArray[np.int64], labels: NDArray[np.int64]) -> list[tuple[int, int]]:
         """Pairs of material and earlier id, one to one, the largest overlap first."""
-        place = np.searchsorted(self.keys, keys)
-        place[place == len(self.keys)] = 0
-        is_common = self.keys[place] == keys if len(self.keys) else np.zeros(len(keys), np.bool_)
-        old, new = self.ids[place[is_common]], labels[is_common]
+        known = self.given.keys
+        place = np.searchsorted(known, keys)
+        place[place == len(known)] = 0
+        is_common = known[place] == keys if len(known) else np.zeros(len(keys), np.bool_)
+        old, new = self.given.ids[place[is_common]], labels[is_common]
         pairs, overlaps = np.unique(np.stack([new, old], axis=1), axis=0, return_counts=True)
         new_sizes = dict(zip(*np.unique(new, return_counts=True), strict=True))
         old_sizes = dict(zip(*np.unique(old, return_counts=True), strict=True))
@@ -74,11 +71,11 @@ class MaterialIds:
         taken_new: set[int] = set()
         taken_old: set[int] = set()
         for n in np.lexsort((pairs[:, 0], pairs[:, 1], -overlaps)):
-            material, known = pairs[n].tolist()
-            least = LEAST_SHARE * min(new_sizes[material], old_sizes[known])
-            if material in taken_new or known in taken_old or overlaps[n] < least:
+            material, earlier = pairs[n].tolist()
+            least = LEAST_SHARE * min(new_sizes[material], old_sizes[earlier])
+            if material in taken_new or earlier in taken_old or overlaps[n] < least:
                 continue
-            found.append((material, known))
+            found.append((material, earlier))
             taken_new.add(material)
-            taken_old.add(known)
+            taken_old.add(earlier)
         return found

@@ -24,6 +24,7 @@ from reflest_core.segmentation.groups import Borders, gloss_groups
 from reflest_core.segmentation.identity import MaterialIds
 from reflest_core.segmentation.segments import COARSE, FINE, SegmentSize, segment
 from reflest_core.segmentation.statistics import voxel_colours
+from reflest_core.surface.material_ids import GivenIds
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import Partition
 from reflest_core.surface.selection import keep_voxels
@@ -67,11 +68,20 @@ class Segmenter:
     The same sequence of scans gives the same bits. Memory is bounded by the voxels of one keyframe.
     """
 
-    def __init__(self) -> None:
-        """Begin a scan; no id was given yet."""
-        self._ids = MaterialIds()
+    def __init__(self, given: GivenIds | None = None) -> None:
+        """Begin a scan, or continue one.
+
+        Args:
+            given: ids that a scan's voxels have already.
+        """
+        self._ids = MaterialIds() if given is None else MaterialIds(given)
         self._last = np.zeros(0, np.int64), np.zeros(0, np.int64)
         self._light: JointLight | None = None
+
+    @property
+    def given_ids(self) -> GivenIds:
+        """Ids of the last keyframe's voxels; may be read from any thread."""
+        return self._ids.given
 
     def segment(self, surface: ObservedSurface, observed: ObservedLight) -> SegmentedScene:
         """Divide the observed voxels of a scan into materials.
@@ -115,7 +125,8 @@ class Segmenter:
 
     def _before(self, keys: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """(V,) the segment and (V,) the id that each voxel had, -1 for new ones."""
-        ids = _looked_up(self._ids.keys, self._ids.ids, keys)
+        given = self._ids.given
+        ids = _looked_up(given.keys, given.ids, keys)
         return _looked_up(*self._last, keys), ids
 
 

@@ -11,6 +11,7 @@ from reflest_core.estimation.estimator import Estimator, NoEstimate
 from reflest_core.estimation.scan_memory import ScanMemory
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.light.turned_light import turned_light
+from reflest_core.segmentation.segmenter import Segmenter
 from reflest_core.surface.selection import keep_voxels
 from test.core.lit_table import MATERIALS, Material, lit_table
 
@@ -95,6 +96,15 @@ def test_ids_stay_while_the_scan_grows(table):
     second = mapped(table.surface, memory)
     common = second.partition.ids_of(first.partition.keys)
     assert (common == first.partition.material_ids).mean() > 0.95
+
+
+def test_ids_go_on_where_a_saved_scan_goes_on(table):
+    memory = ScanMemory()
+    first = mapped(table.surface, memory)
+    given = memory.segmenter.given_ids
+    again = mapped(table.surface, ScanMemory(Segmenter(given)))
+    assert (first.material_ids == again.material_ids).mean() > 0.99
+    assert given.next_id > max(material.id for material in first.materials)
 
 
 def test_a_turned_world_gives_the_same_materials(table, found):

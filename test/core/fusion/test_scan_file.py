@@ -10,6 +10,7 @@ from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.scan_file import ScanFileError
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.light.light_map import SIZE
+from reflest_core.surface.material_ids import GivenIds
 from reflest_core.whole_file import OutputError
 from test.core.fusion.analytic_scene import orbit_frames
 from test.core.fusion.scan_state import assert_same_arrays, assert_same_surface, state_of
@@ -58,6 +59,45 @@ def test_empty_scan_round_trips(tmp_path):
     loaded = Scan.load(tmp_path / "empty.scan")
     assert loaded.voxel_count == 0
     assert loaded.fuse(orbit_frames(1)[0]).is_new_view
+
+
+KEYS = np.array([3, 7, 9])
+
+
+def test_material_ids_are_kept(scan, tmp_path):
+    scan.material_ids = GivenIds(KEYS, np.array([2, 5, 2]), 6)
+    scan.save(tmp_path / "ids.scan")
+    loaded = Scan.load(tmp_path / "ids.scan").material_ids
+    np.testing.assert_array_equal(loaded.keys, KEYS)
+    np.testing.assert_array_equal(loaded.ids, [2, 5, 2])
+    assert loaded.next_id == 6
+
+
+def test_a_file_from_before_material_ids_has_none(saved):
+    rewrite(saved, material_keys=None, material_ids=None)
+    assert len(Scan.load(saved).material_ids.keys) == 0
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"material_ids": None},
+        {"material_ids": np.array([1, 2])},
+        {"material_keys": np.array([3, 3, 9])},
+        {"material_keys": np.array([3.0, 7.0, 9.0])},
+        {"material_ids": np.array([1, 2, 6])},
+        {"material_ids": np.array([0, 2, 3])},
+        {"header": {"next_material_id": 2**40}},
+        {"header": {"next_material_id": "6"}},
+    ],
+)
+def test_material_ids_that_cannot_be_right_are_refused(scan, tmp_path, changes):
+    path = tmp_path / "ids.scan"
+    scan.material_ids = GivenIds(KEYS, np.array([2, 5, 2]), 6)
+    scan.save(path)
+    rewrite(path, **changes)
+    with pytest.raises(ScanFileError, match="damaged"):
+        Scan.load(path)
 
 
 def test_saving_replaces_and_leaves_nothing_else(scan, saved):

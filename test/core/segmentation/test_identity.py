@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-from reflest_core.segmentation.identity import FIRST_ID, MOST_MATERIALS, MaterialIds
+from reflest_core.segmentation.identity import MOST_MATERIALS, MaterialIds
+from reflest_core.surface.material_ids import FIRST_ID
 
 KEYS = np.arange(100, 200)
 HALVES = np.repeat([0, 1], 50)
@@ -59,7 +60,7 @@ def test_voxels_without_a_material_have_no_part_in_it():
     ids = MaterialIds()
     labels = np.where(np.arange(100) < 10, 0, -1)
     assert ids.match(KEYS, labels) == [FIRST_ID]
-    assert len(ids.keys) == 10
+    assert len(ids.given.keys) == 10
 
 
 def test_nothing_has_no_ids():
