@@ -47,6 +47,7 @@ def chosen(
         generation: what the data set was asked to be.
     """
     from reflest_core.synbrdf.generation.index_ranges import IndexRangeError, parse_indices
+    from reflest_core.synbrdf.path_tracing.path_counts import check_paths
     from reflest_core.synbrdf.scenes.splits import Split
 
     for name in ("width", "height"):
@@ -54,6 +55,7 @@ def chosen(
             raise IndexRangeError(f"--{name} is {getattr(arguments, name)}, but must be 16 to 4096")
     if arguments.samples < 4 or arguments.samples % 4:
         raise IndexRangeError(f"--samples is {arguments.samples}, but must be a multiple of 4")
+    check_paths(arguments.samples, rays=4)
     split = Split(arguments.split)
     scenes = parse_indices(arguments.scenes, generation.scenes[split.value], "scenes")
     return split, scenes, parse_indices(arguments.frames, generation.views, "frames")

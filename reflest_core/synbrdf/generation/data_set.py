@@ -25,6 +25,7 @@ from reflest_core.synbrdf.lights.environments import (
     procedural_skies,
 )
 from reflest_core.synbrdf.path_tracing.mitsuba_runtime import missing_package
+from reflest_core.synbrdf.path_tracing.path_counts import check_paths
 from reflest_core.synbrdf.realism.settings import Realism
 from reflest_core.synbrdf.scenes.material_sources import OPENSURFACES, Materials
 from reflest_core.synbrdf.scenes.metering import Metering
@@ -110,6 +111,7 @@ class Generation:
         for name, (value, low, high) in bounds.items():
             if not low <= value <= high:
                 raise GenerationRefused(f"--{name} is {value}, but must be {low} to {high}")
+        check_paths(self.samples)
         if self.product is Product.TABLETOP and self.lighting is Lighting.DIVERSE:
             raise GenerationRefused("--product tabletop goes with --lighting natural or near")
         if self.product is Product.TABLETOP and self.metering is not Metering.FRAME:

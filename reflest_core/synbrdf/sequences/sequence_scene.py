@@ -19,6 +19,7 @@ from reflest_core.synbrdf.lights.environments import (
     procedural_skies,
     rotated,
 )
+from reflest_core.synbrdf.path_tracing.path_counts import check_paths
 from reflest_core.synbrdf.realism.settings import Realism
 from reflest_core.synbrdf.scenes.material_sources import OPENSURFACES, Materials, NamedMaterial
 from reflest_core.synbrdf.scenes.scene import Light
@@ -98,6 +99,7 @@ def check_film(seed: int, frames: int, width: int, height: int, samples: int, ra
 
     Raises:
         SequenceRefused: If one is outside its range.
+        PathCountError: If the paths cannot be stratified.
     """
     bounds = {
         "seed": (seed, 0, 2**63),
@@ -112,6 +114,7 @@ def check_film(seed: int, frames: int, width: int, height: int, samples: int, ra
             raise SequenceRefused(f"--{name} is {value}, but must be {low} to {high}")
     if samples % 4:
         raise SequenceRefused(f"--samples is {samples}, but must be a multiple of 4")
+    check_paths(samples, rays=4)
 
 
 def check_material(option: str, material: WardParameters) -> None:
