@@ -64,7 +64,7 @@ class FusionSettings:
     )
 
     normal_smoothing: float = parameter(
-        0.0,
+        15.0,
         "Normals are averaged over neighbouring voxels whose normals differ by about this angle or"
         " less; 0: not.",
         unit="degrees",

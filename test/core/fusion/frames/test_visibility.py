@@ -42,8 +42,21 @@ def sees(frame, point, normal=TOWARDS_CAMERA, region=None, settings=SETTINGS):
 
 
 @pytest.mark.parametrize("uv", [(40.0, 30.0), (40.4, 29.6), (39.6, 30.4)])
-def test_colour_is_the_nearest_pixels(uv):
+def test_colour_is_interpolated(uv):
     assert sees(wall(), point_at(*uv, 1.0)) == [40, 30, 70]
+
+
+def test_colour_moves_from_pixel_to_pixel_without_a_jump():
+    frame = wall()
+    frame.rgb[:, 40], frame.rgb[:, 41] = 100, 200
+    found = [sees(frame, point_at(u, 30.0, 1.0))[0] for u in np.linspace(40.0, 41.0, 21)]
+    assert found == pytest.approx(np.linspace(100, 200, 21), abs=1.0)
+
+
+def test_colour_is_clipped_beside_a_clipped_pixel_by_channel():
+    frame = wall()
+    frame.rgb[30, 40], frame.rgb[30, 41] = 100, (255, 252, 100)
+    assert sees(frame, point_at(40.25, 30.0, 1.0)) == [255, 138, 100]
 
 
 @pytest.mark.parametrize("uv", [(-0.6, 30), (159.6, 30), (40, -0.6), (40, 119.6)])
