@@ -22,8 +22,10 @@ from reflest_core.surface.surface_sample import SurfaceSample, sampled
 from reflest_core.surface.thinning import thinned
 from reflest_core.surface.voxel_choice import choose_voxels
 
-SHADED, SAMPLED = 512, 96
+SHADED, SAMPLED = 512, 384
 """Voxels whose diffuse colours the light is inferred from; those whose observations give gloss."""
+TRAINED = 96
+"""Voxels whose observations gave gloss when lightnet was trained."""
 
 
 @dataclass(frozen=True)
@@ -91,6 +93,7 @@ def material_evidence(
         sample.directions,
         sight_of_sample.of(sample.voxel_of),
     )
+    gloss = fit_gloss(sample.colours, sample.clipped, lobes, sample.voxel_of)
     return MaterialEvidence(
         surface=surface,
         voxels=voxels,
@@ -100,5 +103,5 @@ def material_evidence(
         sample=sample,
         sight_of_sample=sight_of_sample,
         incoming_of_sample=incoming(weights_of_sample, sight_of_sample),
-        gloss=fit_gloss(sample.colours, sample.clipped, lobes, sample.voxel_of),
+        gloss=gloss.tempered(max(len(sample.voxels) / TRAINED, 1.0)),
     )

@@ -43,6 +43,18 @@ class GlossFit:
         """(K,), how likely each roughness is by its misfit; they sum to 1."""
         return self.weight_by(EVIDENCE)
 
+    def tempered(self, surplus: float) -> GlossFit:
+        """Return the fit, no surer than fewer observations would make it.
+
+        Neighbouring voxels err alike: more of them make the fit steadier, but hardly truer.
+
+        Args:
+            surplus: Observations for each that is to count, at least 1.
+        """
+        root = np.float32(np.sqrt(surplus))
+        count = self.count / np.float32(surplus)
+        return GlossFit(self.gloss, root * self.deviation, self.misfit, count)
+
     def weight_by(self, evidence: float) -> NDArray[np.float32]:
         """Weigh the roughnesses by their misfits.
 

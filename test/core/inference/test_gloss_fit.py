@@ -130,3 +130,16 @@ def test_without_evidence_there_is_no_gloss_and_no_error(scene):
         assert (nothing.gloss == 0.0).all()
         assert all(np.isfinite(values).all() for values in vars(nothing).values())
         np.testing.assert_allclose(nothing.weight, 1.0 / K, rtol=1e-5)
+
+
+def test_four_times_the_observations_tempered_by_four_are_as_sure_as_the_observations(scene):
+    colours, clipped, lobes, voxel_of = scene
+    rng = np.random.default_rng(2)
+    colours = colours + rng.normal(0.0, 0.02, colours.shape).astype(np.float32)
+    once = fit_gloss(colours, clipped, lobes, voxel_of)
+    four_times = [np.concatenate([of] * 4) for of in (colours, clipped, lobes)]
+    voxels = np.concatenate([voxel_of + 40 * copy for copy in range(4)])
+    tempered = fit_gloss(*four_times, voxels).tempered(4.0)
+    np.testing.assert_allclose(tempered.count, once.count, rtol=1e-3)
+    np.testing.assert_allclose(tempered.deviation, once.deviation, rtol=0.02)
+    np.testing.assert_allclose(tempered.weight, once.weight, atol=0.02)
