@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+import statistics
 from collections import deque
 from dataclasses import dataclass
 from typing import Any
@@ -38,6 +39,10 @@ STEADY = 0.8
 """Consecutive frames must have agreed so well for a jump to stand out."""
 JUMP = 0.5
 """A jump cuts the agreement to less than this share of what it was."""
+STEP_SAMPLES = 300
+"""Samples of a frame that are compared with the frame before it."""
+RAY_PAIRS = 16
+"""Pairs that are compared with depth read as a ray's length: it is the same in all of a scan."""
 RAY_COST = 0.7
 """Depth is a ray's length where reading it so cuts the cost to less than this share."""
 
@@ -76,7 +81,7 @@ class PoseCheck:
 
     def __init__(self) -> None:
         self._shares: deque[float] = deque(maxlen=MOST_SHARES)
-        self._costs: deque[tuple[float, float]] = deque(maxlen=MOST_SHARES)
+        self._costs: list[tuple[float, float]] = []
         self._apart: deque[Pair] = deque(maxlen=KEPT_PAIRS)
         self._steady: deque[float] = deque(maxlen=9)
         self._out_of_sight = 0
@@ -137,16 +142,16 @@ class PoseCheck:
         """Tell a jump from one bad frame: after a jump the new frames agree among themselves."""
         if self._previous is None:
             return None
-        step = _met(self._previous, sample)
+        step = _met(self._previous, sample, STEP_SAMPLES)
         before, self._before_jump = self._before_jump, None
         if not step.is_known:
             return None
-        usual = float(np.median(self._steady)) if len(self._steady) >= 3 else 0.0
+        usual = statistics.median(self._steady) if len(self._steady) >= 3 else 0.0
         if usual < STEADY or step.share >= JUMP * usual:
             self._steady.append(step.share)
             if before is None or step.share < STEADY * usual:
                 return None
-            across = _met(before, sample)
+            across = _met(before, sample, STEP_SAMPLES)
             if not across.is_known or across.share >= JUMP * usual:
                 return None
             self._jumps.append(stamp_ns)
@@ -169,15 +174,17 @@ class PoseCheck:
         self._reference = sample
         if turn > MOST_TURN:
             return
-        agreement = _met(reference, sample)
+        relative = np.linalg.inv(reference.pose) @ sample.pose
+        agreement = sample.meets(reference, relative)
         if not agreement.is_known:
             self._out_of_sight += 1
             self._apart.append((reference, sample))
             return
         self._apart.append((reference, sample))
         self._shares.append(agreement.share)
-        relative = np.linalg.inv(reference.pose) @ sample.pose
-        self._costs.append((agreement.cost, sample.meets(reference, relative, is_ray=True).cost))
+        if len(self._costs) < RAY_PAIRS:
+            as_ray = sample.meets(reference, relative, is_ray=True)
+            self._costs.append((agreement.cost, as_ray.cost))
 
     def _problem(self, middle: float) -> str:
         sentences = [self._convention(middle), self._ray_length(), self._jump()]
@@ -232,8 +239,8 @@ class PoseCheck:
         )
 
 
-def _met(earlier: DepthSample, later: DepthSample) -> Agreement:
-    return later.meets(earlier, np.linalg.inv(earlier.pose) @ later.pose)
+def _met(earlier: DepthSample, later: DepthSample, most: int) -> Agreement:
+    return later.meets(earlier, np.linalg.inv(earlier.pose) @ later.pose, most=most)
 
 
 def _motion(earlier: DepthSample, later: DepthSample) -> tuple[float, float]:
