@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Prints how well the depth maps of captures meet: as they are, and under mistakes in their poses."""
+"""Prints how well depth maps of captures meet, as they are and under mistakes in their poses."""
 
 from __future__ import annotations
 
