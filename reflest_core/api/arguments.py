@@ -13,8 +13,6 @@ from reflest_core.errors import ReflestError
 
 MOST_PIXELS = 1 << 26
 """Pixels of an image at most."""
-LONGEST_FOCUS = 1e6
-"""Focal lengths and principal points at most, pixels."""
 LIKELY_MILLIMETRES = 50.0
 """A median depth beyond it, in metres, is more likely in another unit."""
 

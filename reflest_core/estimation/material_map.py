@@ -16,7 +16,6 @@ from reflest_core.inference.light import SceneLight
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import Partition
 
-MAP_SCHEMA_VERSION = 1
 MOST_MATERIALS = 256
 """Materials of a map at most, the largest; the message is bounded by the same number."""
 

@@ -22,7 +22,6 @@ from reflest_core.inference.transport.light_patches import LightParts, diffuse_r
 from reflest_core.inference.transport.patch_grid import (
     PATCHES,
     patch_image,
-    texels_of_patches,
 )
 from reflest_core.inference.transport.reflected_patches import scene_reflection
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
@@ -53,8 +52,6 @@ USUAL_ROUGHNESS = 4
 """Index into :data:`.ROUGHNESSES`, for a segment with too few observations to fit gloss."""
 FEWEST = 20
 """Observations of a segment, with fewer of which its gloss is not fitted."""
-LEAST_RADIANCE = 1e-3
-"""Mean radiance of a patch, in units of the sensor's white, that a ratio is taken to at least."""
 COMPLETED_TRUST = 0.5
 """How far completed light is believed where a lobe looks into it, beside light that was seen."""
 
@@ -106,19 +103,11 @@ class JointLight:
         fine = self.filled.levels[0]
         size = len(fine)
         unseen, excess = self._images(self.factor_deviations, size)
-        is_unseen = 1.0 - fine[..., 3:4]
+        is_unseen = 1.0 - fine[..., SEEN : SEEN + 1]
         return np.asarray(
             np.hypot(is_unseen * fine[..., RADIANCE] * unseen, self.filled.excess * excess),
             np.float32,
         )
-
-    def patch_deviation(self) -> NDArray[np.float32]:
-        """(P, 3) RMS of :meth:`deviation` over each patch, over the patch's mean radiance."""
-        size = len(self.light.levels[0])
-        texels = texels_of_patches(size)
-        squares = (self.deviation() ** 2).reshape(-1, 3)[texels].mean(axis=1)
-        mean = self.light.levels[0][..., RADIANCE].reshape(-1, 3)[texels].mean(axis=1)
-        return np.asarray(np.sqrt(squares) / np.maximum(mean, LEAST_RADIANCE), np.float32)
 
     @staticmethod
     def _images(

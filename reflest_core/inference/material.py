@@ -50,10 +50,6 @@ class Explanation:
         gloss: fitted under the light that was seen.
         material: fitted under the completed light.
         detail: see :func:`~.reflected_detail.reflected_detail`.
-        light_deviation: (P, 3) float32, of each patch of the completed light, see
-            :meth:`~.joint_light.JointLight.patch_deviation`; None of a scene's only material.
-        joint_albedo: (3,) float32 ``rho_d`` by the light of all materials; None likewise.
-        joint_log_deviation: (3,) float32, standard deviation of its logarithm; None likewise.
         posterior: of the material's roughness; None where it was not asked for.
     """
 
@@ -70,9 +66,6 @@ class Explanation:
     gloss: GlossFit
     material: MaterialFit
     detail: NDArray[np.float32]
-    light_deviation: NDArray[np.float32] | None = None
-    joint_albedo: NDArray[np.float32] | None = None
-    joint_log_deviation: NDArray[np.float32] | None = None
     posterior: GlossPosterior | None = None
 
     @property
@@ -116,8 +109,6 @@ def explain_material(light: SceneLight, material_id: int) -> Explanation:
         material_id: which one; KeyError where the light has no evidence of it.
     """
     evidence = light.evidence[material_id]
-    joint = light.joint
-    _, bright, _ = light.inferred[material_id]
     material, lobes = _fitted(evidence, light.completed)
     return Explanation(
         surface=evidence.surface,
@@ -133,9 +124,6 @@ def explain_material(light: SceneLight, material_id: int) -> Explanation:
         gloss=evidence.gloss,
         material=material,
         detail=reflected_detail(evidence.surface, evidence.voxels),
-        light_deviation=None if joint is None else joint.light.patch_deviation(),
-        joint_albedo=None if joint is None else bright.albedo,
-        joint_log_deviation=None if joint is None else bright.deviation,
     )
 
 

@@ -40,7 +40,6 @@ class SegmentedScene:
         joint: the segments and their light.
         sight: what each voxel sees of the light.
         irradiance: (V, 3) ``E / pi`` under that light, linear.
-        segment_ids: (S,) the material id of each segment.
     """
 
     surface: ObservedSurface
@@ -48,7 +47,6 @@ class SegmentedScene:
     joint: JointScene
     sight: SurfaceSight
     irradiance: NDArray[np.float32]
-    segment_ids: NDArray[np.int64]
 
     def bases(self) -> dict[int, tuple[float, ...]]:
         """What is known of each material, by id: voxels, observations, mean irradiance (3)."""
@@ -114,14 +112,8 @@ class Segmenter:
         irradiance = surface_irradiance(joint.light.light, sight)[:, RADIANCE]
         groups = _groups(surface, pairs, joint, _majority(labels, old_ids))
         ids = self._ids.match(keys, groups[labels])
-        return SegmentedScene(
-            surface,
-            Partition.of(surface, ids[groups[labels]]),
-            joint,
-            sight,
-            irradiance,
-            ids[groups],
-        )
+        partition = Partition.of(surface, ids[groups[labels]])
+        return SegmentedScene(surface, partition, joint, sight, irradiance)
 
     def _before(self, keys: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """(V,) the segment and (V,) the id that each voxel had, -1 for new ones."""
