@@ -7,8 +7,7 @@ PYTHON ?= python3.11
 TORCH_INDEX ?=
 VENV := .venv
 BIN := $(VENV)/bin
-PIP_INSTALL = $(BIN)/python -m pip install --disable-pip-version-check --quiet \
-	$(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX))
+PIP_INSTALL = $(BIN)/python -m pip install --disable-pip-version-check --quiet
 
 # Set by the ROS wheels of another environment, they would load that environment's libraries here.
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE LD_LIBRARY_PATH PYTHONPATH VIRTUAL_ENV
@@ -19,10 +18,16 @@ RUN_REQUIREMENTS := reflest_core/requirements.txt requirements/ros.txt requireme
 TEST_REQUIREMENTS := reflest_core/requirements-synbrdf.txt reflest_core/requirements-cluster.txt \
 	reflest_core/requirements-training.txt reflest_core/requirements-asset.txt \
 	requirements/test.txt
+# Every package with the hashes of its files. PyTorch is pinned by its version alone: its builds have
+# different files, of which TORCH_INDEX chooses.
+LOCK := requirements/lock
+LOCKED_INSTALL = $(PIP_INSTALL) --require-hashes --no-deps -r
+TORCH := reflest_core/requirements-training.txt
+UV := uv==0.13.9
+ALL_REQUIREMENTS := $(RUN_REQUIREMENTS) $(TEST_REQUIREMENTS) requirements/docs.txt
 INTERFACES := CMakeLists.txt package.xml setup.py pyproject.toml $(wildcard msg/*.msg srv/*.srv)
-requirement_flags = $(foreach file,$(1),-r $(file))
 
-.PHONY: web-tools demo test stress bench lint docs set-up clean
+.PHONY: web-tools demo test stress bench lint docs lock set-up clean
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/run.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
@@ -47,7 +52,7 @@ lint: $(VENV)/test.stamp $(VENV)/interfaces.stamp
 	$(BIN)/mypy
 	$(BIN)/ament_flake8 --config .ci/ament_flake8.ini $(LINTED)
 
-docs: $(VENV)/docs.stamp
+docs: $(VENV)/test.stamp
 	$(BIN)/sphinx-build --fail-on-warning --keep-going -q docs build/site
 
 set-up: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
@@ -60,18 +65,22 @@ web-tools:
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
-$(VENV)/run.stamp: $(RUN_REQUIREMENTS) | $(BIN)/python
-	$(PIP_INSTALL) $(call requirement_flags,$(RUN_REQUIREMENTS))
+$(VENV)/run.stamp: $(LOCK)/run.txt | $(BIN)/python
+	$(LOCKED_INSTALL) $(LOCK)/run.txt
 	touch $@
 
-# One pip call for everything: what the demo needs is among it.
-$(VENV)/test.stamp: $(RUN_REQUIREMENTS) $(TEST_REQUIREMENTS) | $(BIN)/python
-	$(PIP_INSTALL) $(call requirement_flags,$(RUN_REQUIREMENTS) $(TEST_REQUIREMENTS))
+$(VENV)/test.stamp: $(LOCK)/all.txt $(TORCH) | $(BIN)/python
+	$(LOCKED_INSTALL) $(LOCK)/all.txt
+	$(PIP_INSTALL) $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX)) "$$(grep '^torch==' $(TORCH))"
 	touch $(VENV)/run.stamp $@
 
-$(VENV)/docs.stamp: requirements/docs.txt $(VENV)/test.stamp
-	$(PIP_INSTALL) -r requirements/docs.txt
-	touch $@
+# After a change of requirements; then scripts/licence_table.py writes docs/reference/licences.md.
+lock: | $(BIN)/python
+	$(PIP_INSTALL) $(UV)
+	$(BIN)/uv pip compile $(LOCKING) --no-emit-package torch -o $(LOCK)/all.txt $(ALL_REQUIREMENTS)
+	$(BIN)/uv pip compile $(LOCKING) -c $(LOCK)/all.txt -o $(LOCK)/run.txt $(RUN_REQUIREMENTS)
+
+LOCKING := --quiet --generate-hashes --no-annotate --python-version 3.11 --custom-compile-command "make lock"
 
 $(VENV)/interfaces.stamp: $(INTERFACES) | $(VENV)/run.stamp
 	$(PIP_INSTALL) --no-build-isolation --no-deps --editable .

@@ -30,6 +30,41 @@ def test_every_requirement_is_pinned(path):
         assert re.fullmatch(r"[A-Za-z0-9_-]+(\[[a-z]+\])?==[0-9][0-9A-Za-z.]*", line), line
 
 
+def locked(name):
+    """Version by package of a lock file; each package has hashes."""
+    text = (ROOT / "requirements" / "lock" / name).read_text()
+    found = re.findall(r"^([a-z0-9-]+)==(\S+) \\\n    --hash=sha256:", text, re.MULTILINE)
+    assert len(found) == len(re.findall(r"^[a-z0-9]", text, re.MULTILINE)) > 100
+    return dict(found)
+
+
+def test_the_locks_hold_every_requirement_with_its_version():
+    run, everything = locked("run.txt"), locked("all.txt")
+    assert run.items() <= everything.items()
+    for path in REQUIREMENTS:
+        for line in path.read_text().splitlines():
+            if line.startswith(("#", "torch==")) or path.name == "apt.txt":
+                continue
+            name, version = re.sub(r"\[.*\]", "", line).split("==")
+            name = re.sub(r"[-_.]+", "-", name).lower()
+            assert everything[name] == version, f"make lock: {line}"
+    assert "torch" not in everything, "it has several builds: it is pinned by its version alone"
+
+
+def test_the_table_of_licences_is_that_of_the_locks():
+    """And nothing that the node installs is under a licence that its users would have to take."""
+    run, everything = locked("run.txt"), locked("all.txt")
+    table = (ROOT / "docs" / "reference" / "licences.md").read_text()
+    rows = re.findall(r"^\| ([a-z0-9-]+) \| (\S+) \| (.+) \| (run|all) \|$", table, re.MULTILINE)
+    assert {name: version for name, version, _, _ in rows} == everything
+    assert {name for name, _, _, installed in rows if installed == "run"} == run.keys()
+    for name, _, licence, installed in rows:
+        assert licence != "not stated", name
+        if installed == "run" and name != "docutils":  # BSD or public domain but for one tool
+            assert "GPL" not in licence, name
+            assert "GNU" not in licence, name
+
+
 def test_versions_and_licences_agree():
     manifest = ElementTree.parse(ROOT / "package.xml").getroot()
     assert manifest.findtext("version") == reflest_core.__version__
