@@ -56,8 +56,10 @@ class Markers:
             keyframe: the scan that it belongs to.
             estimate: the keyframe's estimate; None where there is none.
         """
-        if keyframe.T_world_camera is not None:
-            self._poses.append(keyframe.T_world_camera)
+        pose = keyframe.T_world_camera
+        # A request for an estimate shows the last keyframe again.
+        if pose is not None and not (self._poses and np.array_equal(self._poses[-1], pose)):
+            self._poses.append(pose)
         # A copy, for the message may be made in another thread while keyframes come.
         poses = list(self._poses)
         self._publisher.show(lambda: self._message(keyframe, estimate, poses))

@@ -69,6 +69,20 @@ def test_who_comes_late_sees_the_last_keyframe_once(shown, peer):
         assert stamp_to_ns(header.stamp) == last
 
 
+def cameras(messages):
+    """Points of the pyramids of the keyframes' cameras."""
+    markers = messages["/reflectance/markers"][-1].markers
+    return sum(len(one.points) for one in markers if one.ns == "keyframes")
+
+
+def test_requests_do_not_add_cameras(shown, peer):
+    estimate_and_wait(peer, shown)
+    before = cameras(shown)
+    for _ in range(2):
+        estimate_and_wait(peer, shown)
+    assert cameras(shown) == before > 0
+
+
 def test_all_show_the_same_estimate(shown, peer):
     estimate = estimate_and_wait(peer, shown)
     preview = shown["/reflectance/preview"][-1]
