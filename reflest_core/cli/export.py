@@ -40,7 +40,7 @@ def add_parser(subparsers: Any) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
-        "source",
+        "capture",
         type=Path,
         metavar="SCAN|CAPTURE|ESTIMATE.json",
         help="a saved scan, or a capture to scan; with --sphere also what replay --json wrote",
@@ -107,8 +107,8 @@ def _sphere(options: argparse.Namespace) -> Asset:
     from reflest_core.export.exporter import checked_format, export_estimate
 
     checked_format(options.out, options.format)
-    if options.source.suffix == ".json":
-        estimate = read_estimate(options.source)
+    if options.capture.suffix == ".json":
+        estimate = read_estimate(options.capture)
     else:
         pipeline = _scanned(options)
         estimate = pipeline.estimate(pipeline.snapshot())
@@ -124,9 +124,9 @@ def _surface(options: argparse.Namespace) -> Asset:
         raise ExportError(
             "--environment lights a sphere: add --sphere; a surface has its own light"
         )
-    if options.source.suffix == ".json":
+    if options.capture.suffix == ".json":
         raise ExportError(
-            f"{options.source} holds an estimate and no surface: add --sphere, or give a saved "
+            f"{options.capture} holds an estimate and no surface: add --sphere, or give a saved "
             "scan (reflest replay CAPTURE --save-scan FILE)"
         )
     checked_format(options.out, options.format)
@@ -148,7 +148,7 @@ def _scanned(options: argparse.Namespace) -> Pipeline:
     from reflest_core.cli.replay_options import replay_settings, topic_choice
     from reflest_core.estimation.pipeline import Pipeline
 
-    source: Path = options.source
+    source: Path = options.capture
     settings = replay_settings(options)
     pipeline = Pipeline(settings)
     if source.is_file() and source.suffix not in CAPTURE_SUFFIXES:

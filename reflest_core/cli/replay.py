@@ -38,6 +38,13 @@ def add_parser(subparsers: Any) -> None:
         metavar="FILE",
         help="write the light around the object as .hdr or .exr",
     )
+    parser.add_argument(
+        "--report",
+        type=Path,
+        metavar="HTML",
+        help="write photograph, model, materials, light and warnings as one page to open or mail; "
+        "needs the extra asset or viewer",
+    )
     add_scan_options(parser)
     parser.set_defaults(run=run)
 

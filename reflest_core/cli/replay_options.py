@@ -12,6 +12,7 @@ from pathlib import Path
 
 from reflest_core.capture.formats.topics import TopicChoice
 from reflest_core.capture.settings import CaptureSettings
+from reflest_core.cli.roi_pixel import sphere_at_pixel
 from reflest_core.estimation.settings import ReflestSettings, with_values
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.parameter import ParameterError
@@ -51,10 +52,11 @@ def replay_settings(options: argparse.Namespace) -> ReflestSettings:
         "up": options.up,
         "known_light": options.known_light,
     }
+    capture = _with_mask(_with_tf(settings.capture, options.world_frame), options.mask_topic)
     return replace(
         settings,
-        capture=_with_mask(_with_tf(settings.capture, options.world_frame), options.mask_topic),
-        region=_region(options) or settings.region,
+        capture=capture,
+        region=_region(options, capture) or settings.region,
         fusion=with_values(settings.fusion, _given(fusion), "fusion"),
         estimation=with_values(settings.estimation, _given(estimation), "estimation"),
     )
@@ -82,7 +84,9 @@ def _with_mask(capture: CaptureSettings, mask_topic: str | None) -> CaptureSetti
     return capture
 
 
-def _region(options: argparse.Namespace) -> RegionSettings | None:
+def _region(options: argparse.Namespace, capture: CaptureSettings) -> RegionSettings | None:
+    if options.roi_pixel:
+        return sphere_at_pixel(options.capture, options, topic_choice(options), capture)
     if options.roi_box:
         return _box(options.roi_box)
     if options.roi_sphere:

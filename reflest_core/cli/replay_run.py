@@ -41,9 +41,14 @@ def replay(options: argparse.Namespace) -> None:
     Raises:
         ReflestError: a bad option, an unreadable capture, or no estimate at its end.
     """
-    for path in (options.json, options.materials, options.save_scan, options.environment):
+    outputs = (options.json, options.materials, options.save_scan, options.environment)
+    for path in (*outputs, options.report):
         if path is not None:
             check_writable(path)
+    if options.report is not None:
+        from reflest_core.cli.html_report import check_report_libraries, write_report
+
+        check_report_libraries()
     light_kind = light_format(options.environment) if options.environment else ""
     settings = replay_settings(options)
     pinhole = tuple(options.intrinsics) if options.intrinsics else None
@@ -69,6 +74,8 @@ def replay(options: argparse.Namespace) -> None:
         export_materials(result.materials, options.materials)
     if options.save_scan is not None and result.fused_count:
         pipeline.save(options.save_scan)
+    if options.report is not None:
+        write_report(options.report, capture, pipeline, result)
     if light_kind and result.fused_count:
         export_environment(pipeline.snapshot().surface, light_kind, options.environment)
     if result.final is None:

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Options of the commands that scan a capture: ``reflest replay`` and ``reflest export``."""
+"""Options of the commands that scan a capture: ``replay``, ``view`` and ``export``."""
 
 from __future__ import annotations
 
@@ -46,6 +46,14 @@ def add_scan_options(parser: argparse.ArgumentParser) -> None:
         nargs=4,
         metavar=("X", "Y", "Z", "R"),
         help="the object lies in this sphere",
+    )
+    roi.add_argument(
+        "--roi-pixel",
+        type=float,
+        nargs=4,
+        metavar=("FRAME", "U", "V", "R"),
+        help="the object lies within R metres of what column U, row V of this frame shows; frames "
+        "count from 0",
     )
     scene.add_argument("--voxel-size", type=float, metavar="M")
     scene.add_argument("--max-depth", type=float, metavar="M", help="what is further is background")

@@ -33,7 +33,7 @@ def add_parser(subparsers: Any) -> None:
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("source", type=Path, metavar="CAPTURE|SCAN")
+    parser.add_argument("capture", type=Path, metavar="CAPTURE|SCAN")
     parser.add_argument(
         "--host",
         default="127.0.0.1",
@@ -95,7 +95,7 @@ def capture_source(options: argparse.Namespace) -> CaptureSource:
     from reflest_core.cli.replay_options import replay_settings, topic_choice
     from reflest_core.viewer.capture_source import CaptureSource
 
-    settings, path = replay_settings(options), options.source
+    settings, path = replay_settings(options), options.capture
     if path.is_file() and path.suffix not in CAPTURE_SUFFIXES:
         return CaptureSource(path, settings, None)
 

@@ -51,18 +51,21 @@ class ShownScan:
     view_stamps: NDArray[np.int64]
 
     @staticmethod
-    def of(scan: Scan, found: MaterialMap, up: tuple[float, float, float]) -> ShownScan:
+    def of(
+        scan: Scan, found: MaterialMap, up: tuple[float, float, float], faces: int = FACES
+    ) -> ShownScan:
         """Extract the mesh of a scan.
 
         Args:
             scan: what was fused.
             found: its materials.
             up: direction that points up in the world frame.
+            faces: the mesh is decimated to about so many.
 
         Raises:
             ExportError: Nothing was scanned, or a package of the extra ``asset`` is missing.
         """
-        mesh = scanned_mesh(scan, FACES)
+        mesh = scanned_mesh(scan, faces)
         normals = mesh.vertex_normals
         _, near = cKDTree(found.surface.positions).query(mesh.vertices)
         return ShownScan(
