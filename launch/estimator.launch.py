@@ -3,8 +3,9 @@
 """Starts the estimator, and a bag and RViz beside it on request.
 
 ``ros2 launch reflest_ros estimator.launch.py camera:=realsense [namespace:=robot1] [rviz:=true]
-[bag:=FOLDER] [config:=FILE]``; ``--show-args`` lists all arguments. Needs launch_ros, which an apt
-installation of ROS 2 has; bag:= needs ros2bag and rviz:= needs rviz2 as well.
+[viewer:=true] [bag:=FOLDER] [config:=FILE]``; ``--show-args`` lists all arguments. Needs
+launch_ros, which an apt installation of ROS 2 has; bag:= needs ros2bag, rviz:= needs rviz2 and
+viewer:= the Python package viser as well.
 """
 
 from pathlib import Path
@@ -48,6 +49,8 @@ ARGUMENTS = (
     ("bag", "", "Bag to play (ros2 bag play) once the estimator listens.", None),
     ("rate", "1.0", "Speed at which the bag is played, times the recorded one.", None),
     ("rviz", "false", "Whether to open RViz on the topics.", ("true", "false")),
+    ("viewer", "false", "Whether to serve the page in the browser.", ("true", "false")),
+    ("viewer_host", "127.0.0.1", "Address of the page; 0.0.0.0 for the whole network.", None),
     ("use_sim_time", "false", "Whether time comes from /clock.", ("true", "false")),
     ("autostart", "true", "Whether the node configures and activates itself.", ("true", "false")),
     ("log_level", "info", "Of the node.", ("debug", "info", "warn", "error", "fatal")),
@@ -133,6 +136,16 @@ def nodes(context: LaunchContext) -> list[Action]:
             handle_once=True,
         )
         wanted.insert(0, RegisterEventHandler(listening))
+    if given["viewer"] == "true":
+        wanted.append(
+            Node(
+                package="reflest_ros",
+                executable="viewer",
+                namespace=given["namespace"],
+                parameters=[{"host": given["viewer_host"]}],
+                output="screen",
+            )
+        )
     if given["rviz"] == "true":
         wanted.append(
             Node(

@@ -116,7 +116,7 @@ class ScanSession:
         pools = node.offered
         ScanServices(node, self, files, pools)
         MaterialServices(pools.quick, self.output.materials)
-        EstimateServices(pools.work, files, self.fusion, self.estimation)
+        EstimateServices(pools.work, files, self.scanner, self.fusion, self.estimation)
         self._clock_watch = ClockWatch(node, settings.capture.clock_jump, self._ros_clock_jumped)
         self.estimation.start()
         self.fusion.start()

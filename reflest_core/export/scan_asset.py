@@ -79,6 +79,25 @@ def scan_asset(
         ExportError: There is no surface or no material, or a package is missing.
     """
     settings = settings or AssetSettings()
+    mesh = scanned_mesh(scan, settings.faces, settings.is_watertight)
+    return mesh_asset(mesh, scan.fusion.voxel_size, found, name, settings)
+
+
+def mesh_asset(
+    mesh: TriangleMesh, voxel_size: float, found: MaterialMap, name: str, settings: AssetSettings
+) -> Asset:
+    """A mesh that was extracted before, with its materials.
+
+    Args:
+        mesh: Of :func:`.scanned_mesh`.
+        voxel_size: Edge of a voxel of the scan, metres.
+        found: The materials of this scan.
+        name: Of the asset.
+        settings: How the surface is written.
+
+    Raises:
+        ExportError: There is no material, or a package is missing.
+    """
     if not found.materials:
         raise ExportError("the scan has no material with an estimate: scan more of the surface")
     materials = tuple(
@@ -87,11 +106,10 @@ def scan_asset(
     )
     index_of = {one.id: index for index, one in enumerate(found.materials)}
     voxels = _Voxels(found, index_of)
-    mesh = scanned_mesh(scan, settings.faces, settings.is_watertight)
     labels = voxels.material_of(mesh.vertices[mesh.faces].mean(axis=1))
-    size = settings.texture_size or _texture_size(mesh, scan.fusion.voxel_size)
+    size = settings.texture_size or _texture_size(mesh, voxel_size)
     atlas = unwrapped(mesh, labels, size)
-    texture = _baked(mesh, labels, atlas, voxels, materials, scan.fusion.voxel_size)
+    texture = _baked(mesh, labels, atlas, voxels, materials, voxel_size)
     return Asset(
         name,
         _upright_mesh(mesh, labels, atlas, voxels, found, settings.up),

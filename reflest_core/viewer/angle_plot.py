@@ -43,7 +43,7 @@ def angle_plot(shading: Shading, vertex: int) -> AnglePlot | None:
         The plot; None where there is nothing to compare.
     """
     scan = shading.scan
-    if shading.own_light is None or not scan.has_observations:
+    if scan.light is None or not scan.has_observations:
         return None
     surface, voxel = scan.found.surface, int(scan.voxel_of[vertex])
     rows = slice(int(surface.offsets[voxel]), int(surface.offsets[voxel + 1]))

@@ -10,12 +10,12 @@ import math
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from reflest_core.brdf.srgb import encode
 from reflest_core.environment.environment_map import from_octahedral
 from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 from reflest_core.estimation.material_map import MaterialEstimate
-from reflest_core.inference.light import SceneLight
 from reflest_core.rendering.environments import studio
 from reflest_core.rendering.material_labels import material_colour
 from reflest_core.rendering.sphere import render_environment, tone_map
@@ -43,17 +43,15 @@ WIDTH, HEIGHT, LEFT, BOTTOM = 300, 150, 34, 28
 """Of the plot, in pixels; the margins of its axes."""
 
 
-def swatch(estimate: BrdfEstimate, light: SceneLight | None, size: int = SWATCH) -> str:
+def swatch(estimate: BrdfEstimate, light: NDArray[np.float32] | None, size: int = SWATCH) -> str:
     """A sphere of the material in the scan's own light, as an ``img`` element.
 
     Args:
         estimate: the material.
-        light: of the scan; None renders in an invented studio.
+        light: (L, L, 5) of the scan, see :attr:`.ShownScan.light`; None renders in a studio.
         size: pixels along an edge.
     """
-    environment = (
-        studio(64) if light is None else from_octahedral(light.completed.levels[0]).radiance
-    )
+    environment = studio(64) if light is None else from_octahedral(light).radiance
     image = tone_map(render_environment(estimate.ward, environment, size))
     return (
         f"<img alt='the material on a sphere' width={size} height={size} "
@@ -61,7 +59,7 @@ def swatch(estimate: BrdfEstimate, light: SceneLight | None, size: int = SWATCH)
     )
 
 
-def png_uri(image: np.typing.NDArray[np.uint8]) -> str:
+def png_uri(image: NDArray[np.uint8]) -> str:
     """A data URI of an image.
 
     Args:
@@ -172,7 +170,7 @@ def material_card(
         f"<div style='font-size:1.15em'>{patch(material_colour(material.id))} "
         f"<b>Material {material.id}</b> {patch(colour_of(estimate.rho_d))}</div>"
         f"<div style='display:flex;gap:.8em;align-items:flex-start;margin:.4em 0'>"
-        f"{swatch(estimate, scan.found.light)}<table class='reflest-values'>{rows}</table></div>"
+        f"{swatch(estimate, scan.light)}<table class='reflest-values'>{rows}</table></div>"
         f"{status_lines(estimate)}"
         f"<div style='opacity:.75'>{' &middot; '.join(facts)}</div>"
         f"<div style='opacity:.75'>rho_d at the click: {at_click}</div>"

@@ -101,9 +101,9 @@ def unseen_light(scan: ShownScan) -> Suggestion | None:
         An arrow away from the scan, into the middle of the light from above that no frame showed;
         None where most of it was seen, or no light is known.
     """
-    if scan.found.light is None:
+    if scan.light is None:
         return None
-    coverage = scan.found.light.observed.coverage
+    coverage = scan.light[..., 3]
     directions = octahedral_directions(len(coverage))
     weights = octahedral_solid_angles(len(coverage)) * np.clip(directions[..., 2] + 0.2, 0.0, None)
     missing = weights * (1.0 - coverage)

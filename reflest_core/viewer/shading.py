@@ -58,17 +58,15 @@ class Shading:
         self._vertices = np.ascontiguousarray(scan.vertices @ rotation.T)
         self._normals = np.ascontiguousarray(scan.normals @ rotation.T)
         self._sight = self._sight_of_vertices()
-        own = scan.found.light
-        self.own_light = None if own is None else own.completed.levels[0]
         self._mean = USUAL_IRRADIANCE
-        if self.own_light is not None:
-            self._mean = self._mean_irradiance(levels_below(self.own_light))
+        if self.scan.light is not None:
+            self._mean = self._mean_irradiance(levels_below(self.scan.light))
 
     @property
     def lights(self) -> tuple[Light, ...]:
         """The lights that can be chosen without a file."""
         invented = (Light.STUDIO, Light.LAMP, Light.OVERCAST)
-        return invented if self.own_light is None else (Light.ESTIMATED, *invented)
+        return invented if self.scan.light is None else (Light.ESTIMATED, *invented)
 
     def light(
         self, light: Light, degrees: float = 0.0, file: NDArray[np.float32] | None = None
@@ -83,8 +81,8 @@ class Shading:
         Returns:
             The light, +z up.
         """
-        if light is Light.ESTIMATED and self.own_light is not None:
-            return turned_pyramid(self.own_light, degrees)
+        if light is Light.ESTIMATED and self.scan.light is not None:
+            return turned_pyramid(self.scan.light, degrees)
         octahedral = octahedral_light(invented_light(light) if file is None else file)
         octahedral[..., :3] *= self._mean / self._mean_irradiance(levels_below(octahedral))
         return turned_pyramid(octahedral, degrees)

@@ -21,6 +21,8 @@ from reflest_core.surface.coverage import RINGS, SECTORS, seen_cells
 
 FACES = 120_000
 """Triangles that a laptop's browser turns smoothly."""
+SQUARE = 1.7
+"""Edge of the square that stands for a voxel, in voxels: neighbours overlap on slopes too."""
 NO_MATERIAL = 0
 """Id of what belongs to none."""
 
@@ -39,6 +41,8 @@ class ShownScan:
         voxel_size: edge of a voxel, metres.
         view_stamps: (W,) int64, nanoseconds, when each view of the map's surface was taken; empty
             where that is not known.
+        light: (L, L, 5) float32, the light of the scan as the finest level of
+            :class:`.LightPyramid`, turned so that up is +z; None where it is not known.
     """
 
     vertices: NDArray[np.float32]
@@ -49,6 +53,7 @@ class ShownScan:
     up: tuple[float, float, float]
     voxel_size: float
     view_stamps: NDArray[np.int64]
+    light: NDArray[np.float32] | None = None
 
     @staticmethod
     def of(
@@ -77,24 +82,29 @@ class ShownScan:
             up,
             scan.fusion.voxel_size,
             scan.views.stamps[: scan.views.count].copy(),
+            None if found.light is None else found.light.completed.levels[0],
         )
 
     @staticmethod
     def of_voxels(
-        found: MaterialMap, up: tuple[float, float, float], voxel_size: float
+        found: MaterialMap,
+        up: tuple[float, float, float],
+        voxel_size: float,
+        light: NDArray[np.float32] | None,
     ) -> ShownScan:
         """Draw each voxel as a square along its surface, where no volume is at hand.
 
         Args:
             found: the materials.
             up: direction that points up in the world frame.
-            voxel_size: edge of the squares, metres.
+            voxel_size: between neighbours, metres.
+            light: see :attr:`light`.
         """
         surface = found.surface
         count = surface.voxel_count
         helper = np.where(np.abs(surface.normals[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 0, 1.0]])
         along = np.cross(helper, surface.normals)
-        along *= 0.5 * voxel_size / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
+        along *= 0.5 * SQUARE * voxel_size / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
         across = np.cross(surface.normals, along)
         corners = np.stack([-along - across, along - across, along + across, across - along], 1)
         first = 4 * np.arange(count, dtype=np.int32)[:, None]
@@ -108,6 +118,7 @@ class ShownScan:
             up,
             voxel_size,
             np.zeros(0, np.int64),
+            light,
         )
 
     @property

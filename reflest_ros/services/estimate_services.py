@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""``~/estimate`` and ``~/export``: the material or the light, from everything that was scanned."""
+"""``~/estimate`` and ``~/export``: materials or the light, from everything that was scanned."""
 
 from __future__ import annotations
 
@@ -8,9 +8,18 @@ import time
 from pathlib import Path
 
 from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_core.estimation.pipeline import KeyframeSnapshot, Pipeline
 from reflest_core.export.environment_file import LIGHT_FORMATS, export_environment
 from reflest_core.export.errors import ExportError
-from reflest_core.export.exporter import FORMATS, export_estimate
+from reflest_core.export.exporter import (
+    EVERY_VOXEL,
+    FORMATS,
+    asset_name,
+    checked_format,
+    export_estimate,
+)
+from reflest_core.export.libraries import open3d
+from reflest_core.whole_file import write_whole
 from reflest_ros.outputs.estimate_message import estimate_to_message, unknown_message
 from reflest_ros.services.answers import answer_with
 from reflest_ros.services.file_access import FileAccess
@@ -18,6 +27,9 @@ from reflest_ros.services.service_pool import ServicePool
 from reflest_ros.srv import Estimate, ExportEstimate
 from reflest_ros.workers.estimation_worker import EstimationWorker
 from reflest_ros.workers.fusion_worker import FusionWorker, Keyframe
+
+SPHERE = "sphere-"
+"""Before a format: a sphere of one material in place of the scanned surface."""
 
 
 class EstimateServices:
@@ -27,6 +39,7 @@ class EstimateServices:
         self,
         pool: ServicePool,
         files: FileAccess,
+        pipeline: Pipeline,
         fusion: FusionWorker,
         estimation: EstimationWorker,
     ) -> None:
@@ -35,10 +48,12 @@ class EstimateServices:
         Args:
             pool: Answers them.
             files: The files that may be written.
-            fusion: Gives a snapshot of the scan.
+            pipeline: The scan.
+            fusion: The thread that it belongs to.
             estimation: Estimates from it.
         """
         self._files = files
+        self._pipeline = pipeline
         self._fusion = fusion
         self._estimation = estimation
         pool.create(Estimate, "~/estimate", self.estimate)
@@ -63,7 +78,7 @@ class EstimateServices:
     def export(
         self, request: ExportEstimate.Request, response: ExportEstimate.Response
     ) -> ExportEstimate.Response:
-        """Estimate and write the material, or write the light, as a file of another program.
+        """Write the surface with its materials, a sphere of one, or the light, as a file.
 
         Args:
             request: as it was received.
@@ -71,19 +86,50 @@ class EstimateServices:
         """
 
         def work() -> str:
-            if request.format not in (*FORMATS, *LIGHT_FORMATS):
+            name = request.format.removeprefix(SPHERE)
+            is_sphere = name != request.format
+            if name not in FORMATS and (is_sphere or name not in LIGHT_FORMATS):
+                known = (*FORMATS, *LIGHT_FORMATS)
                 raise ExportError(
-                    f"format = {request.format[:40]!r} is not one of "
-                    f"{', '.join((*FORMATS, *LIGHT_FORMATS))}"
+                    f"format = {request.format[:40]!r} is not one of {', '.join(known)}; "
+                    f"{SPHERE}glb and so on write a sphere of one material"
                 )
             path = self._files.to_write(request.path)
-            if request.format in LIGHT_FORMATS:
-                return self._export_light(request.format, path)
-            estimate = self._estimate_now()
-            export_estimate(estimate, request.format, path)
-            return f"wrote {path}: {_summary(estimate)}"
+            if name in LIGHT_FORMATS:
+                return self._export_light(name, path)
+            checked_format(path, name)
+            return self._export_sphere(name, path) if is_sphere else self._export_scan(name, path)
 
         return answer_with(response, work)
+
+    def _export_sphere(self, format_name: str, path: Path) -> str:
+        estimate = self._estimate_now()
+        export_estimate(estimate, format_name, path)
+        return f"wrote {path}: {_summary(estimate)}"
+
+    def _export_scan(self, format_name: str, path: Path) -> str:
+        """Only the copy and the mesh are made in the fusion thread; frames wait meanwhile."""
+        from reflest_core.export.scan_asset import AssetSettings, mesh_asset
+        from reflest_core.export.scanned_mesh import TriangleMesh, scanned_mesh
+
+        open3d()
+        pipeline = self._pipeline
+        settings = AssetSettings(up=pipeline.settings.estimation.up)
+
+        def copied() -> tuple[KeyframeSnapshot, TriangleMesh, float]:
+            mesh = scanned_mesh(pipeline.scan, settings.faces)
+            return pipeline.snapshot(EVERY_VOXEL), mesh, pipeline.scan.fusion.voxel_size
+
+        snapshot, mesh, voxel_size = self._fusion.call(copied).result()
+        found = self._estimation.call(lambda: pipeline.materials(snapshot)).result()
+        asset = mesh_asset(mesh, voxel_size, found, asset_name(path), settings)
+        (main, *others) = checked_format(path, format_name).files(asset, path.name).items()
+        for name, content in (*others, main):
+            write_whole(self._files.to_write(str(path.with_name(name))), content)
+        beside = f" and {len(others)} beside it" if others else ""
+        doubt = f"; {asset.warning}" if asset.warning else ""
+        counts = f"{len(asset.materials)} materials, {len(mesh.faces)} faces"
+        return f"wrote {path}{beside}: {counts}{doubt}"
 
     def _export_light(self, format_name: str, path: Path) -> str:
         surface = self._fusion.call(self._fusion.snapshot).result().surface

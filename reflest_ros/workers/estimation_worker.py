@@ -9,7 +9,7 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
-from typing import Protocol
+from typing import Any, Protocol, TypeVar
 
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimate import BrdfEstimate
@@ -17,6 +17,7 @@ from reflest_core.estimation.pipeline import KeyframeSnapshot
 from reflest_ros.threads import resolve, worker_thread
 from reflest_ros.workers.fusion_worker import Keyframe
 
+T = TypeVar("T")
 Estimate = Callable[[KeyframeSnapshot], BrdfEstimate]
 Further = Callable[[], Callable[[], None] | None]
 
@@ -81,6 +82,7 @@ class EstimationWorker:
         self._keyframe: Keyframe | None = None
         self._are_materials_due = False
         self._requests: deque[tuple[Keyframe, Future[BrdfEstimate]]] = deque()
+        self._jobs: deque[tuple[Callable[[], Any], Future[Any]]] = deque()
         self._generation = 0
         self._is_stopped = False
         self._thread = worker_thread("estimation", self._run, on_crash)
@@ -96,8 +98,9 @@ class EstimationWorker:
             self._changed.notify()
         if self._thread.ident is not None:
             self._thread.join()
-        while self._requests:
-            self._requests.popleft()[1].set_exception(_shutting_down())
+        for waiting in (self._requests, self._jobs):
+            while waiting:
+                waiting.popleft()[1].set_exception(_shutting_down())
 
     def offer(self, keyframe: Keyframe) -> None:
         """Estimate this keyframe next.
@@ -128,6 +131,24 @@ class EstimationWorker:
             self._changed.notify()
         return future
 
+    def call(self, work: Callable[[], T]) -> Future[T]:
+        """Run something in this thread, before any keyframe.
+
+        Args:
+            work: What nothing else may run beside.
+
+        Returns:
+            A future with its result or exception; it always ends.
+        """
+        future: Future[T] = Future()
+        with self._changed:
+            if self._is_stopped:
+                future.set_exception(_shutting_down())
+                return future
+            self._jobs.append((work, future))
+            self._changed.notify()
+        return future
+
     def forget(self) -> None:
         """Publish nothing of what was scanned before this call, and clear what was published."""
         with self._changed:
@@ -144,11 +165,16 @@ class EstimationWorker:
                 if self._is_stopped:
                     return
                 generation, future, keyframe = self._generation, None, None
-                if self._requests:
+                job = self._jobs.popleft() if self._jobs else None
+                if job is None and self._requests:
                     keyframe, future = self._requests.popleft()
-                elif self._keyframe is not None:
+                elif job is None and self._keyframe is not None:
                     keyframe, self._keyframe = self._keyframe, None
-                self._are_materials_due = keyframe is not None
+                if job is None:
+                    self._are_materials_due = keyframe is not None
+            if job is not None:
+                resolve(job[1], job[0])
+                continue
             if keyframe is None:
                 self._publish_further(generation)
                 continue
@@ -166,7 +192,13 @@ class EstimationWorker:
                     publish()
 
     def _has_work(self) -> bool:
-        return bool(self._is_stopped or self._requests or self._keyframe or self._are_materials_due)
+        return bool(
+            self._is_stopped
+            or self._jobs
+            or self._requests
+            or self._keyframe
+            or self._are_materials_due
+        )
 
     def _work(self, keyframe: Keyframe, generation: int) -> None:
         try:

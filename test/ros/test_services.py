@@ -75,10 +75,10 @@ def test_pause_in_mid_fusion_keeps_the_scan_and_resume_goes_on(peer, send):
 
 
 @pytest.mark.parametrize("format_name", FORMATS)
-def test_export_writes_what_is_estimated_now(peer, send, tmp_path, format_name):
+def test_export_writes_a_sphere_of_what_is_estimated_now(peer, send, tmp_path, format_name):
     send(2)
     path = tmp_path / f"material{FORMATS[format_name].suffixes[0]}"
-    response = peer.call(ExportEstimate, "export", format=format_name, path=str(path))
+    response = peer.call(ExportEstimate, "export", format=f"sphere-{format_name}", path=str(path))
     assert response.success, response.message
     assert str(path) in response.message
     content = path.read_bytes()
@@ -90,6 +90,22 @@ def test_export_writes_what_is_estimated_now(peer, send, tmp_path, format_name):
             lambda: any(list(one.rho_d) == written for one in peer.estimates),
             "what was written was not published",
         )
+
+
+@pytest.mark.parametrize("format_name", ["gltf", "obj", "usd"])
+def test_export_writes_the_scanned_surface(peer, send, tmp_path, format_name):
+    send(6)
+    path = tmp_path / f"scan{FORMATS[format_name].suffixes[0]}"
+    response = peer.call(ExportEstimate, "export", format=format_name, path=str(path))
+    assert response.success, response.message
+    assert "faces" in response.message
+    assert path.stat().st_size > 1000
+    if format_name == "gltf":
+        tree = json.loads(path.read_bytes())
+        vertices = tree["accessors"][tree["meshes"][0]["primitives"][0]["attributes"]["POSITION"]]
+        assert vertices["count"] > 100
+        size = [high - low for low, high in zip(vertices["min"], vertices["max"], strict=True)]
+        assert max(size) < 0.5
 
 
 @pytest.mark.parametrize("format_name", LIGHT_FORMATS)
@@ -108,6 +124,8 @@ def test_export_writes_the_light_that_was_seen(peer, send, tmp_path, format_name
         ("hdr", "light.exr", ".hdr"),
         ("vrml", "material.vrml", "gltf"),
         ("gltf", "material.obj", ".gltf"),
+        ("sphere-hdr", "light.hdr", "sphere-glb"),
+        ("sphere-gltf", "material.obj", ".gltf"),
         ("gltf", "", "path is empty"),
         ("gltf", "no/such/folder/material.gltf", "no/such/folder"),
     ],

@@ -21,7 +21,7 @@ from reflest_core.capture.frame import Frame
 from reflest_core.environment.environment_map import from_octahedral, nothing_seen
 from reflest_core.environment.picture import tone_mapped
 from reflest_core.estimation.material_map import MaterialEstimate
-from reflest_core.inference.light import SceneLight
+from reflest_core.light.octahedral import octahedral_solid_angles
 from reflest_core.rendering.material_labels import material_colour
 from reflest_core.surface.upright import rotation_to_z
 from reflest_core.viewer.colour_modes import patch
@@ -78,12 +78,12 @@ def report(
         photograph=_jpeg_uri(photograph.rgb),
         warnings=_warnings(materials, warnings),
         materials="".join(
-            _row(one, scan.found.light if number < MOST_SWATCHES else None)
+            _row(one, scan.light if number < MOST_SWATCHES else None)
             for number, one in enumerate(materials)
         ),
         variant=", ".join(sorted({one.estimate.ward_variant for one in materials})),
-        light=_panorama(scan.found.light),
-        light_words=_light_words(scan.found.light),
+        light=_panorama(scan.light),
+        light_words=_light_words(scan.light),
         made_by=f"Made by reflest {__version__} with {html.escape(models)}.",
         # "</script>" in the data would end the element.
         data=json.dumps(data, allow_nan=False).replace("<", "\\u003c"),
@@ -124,7 +124,7 @@ def _warnings(materials: Sequence[MaterialEstimate], others: Sequence[str]) -> s
     return f"<ul>{''.join(lines)}</ul>"
 
 
-def _row(material: MaterialEstimate, light: SceneLight | None) -> str:
+def _row(material: MaterialEstimate, light: NDArray[np.float32] | None) -> str:
     estimate = material.estimate
     albedo = "<br>".join(
         with_deviation(value, stddev)
@@ -146,18 +146,19 @@ def _row(material: MaterialEstimate, light: SceneLight | None) -> str:
     return f"<tr data-material='{material.id}'>{numbers}{status}</tr>"
 
 
-def _panorama(light: SceneLight | None) -> str:
+def _panorama(light: NDArray[np.float32] | None) -> str:
     seen = nothing_seen(LIGHT_ROWS)
     if light is not None:
-        seen = from_octahedral(light.completed.levels[0], LIGHT_ROWS)
+        seen = from_octahedral(light, LIGHT_ROWS)
     return png_uri(tone_mapped(seen))
 
 
-def _light_words(light: SceneLight | None) -> str:
+def _light_words(light: NDArray[np.float32] | None) -> str:
     if light is None:
         return "The network of these estimates sees no light: the model is drawn in a studio's."
-    observed = light.observed
+    angles = octahedral_solid_angles(len(light))
+    seen = float((light[..., 3] * angles).sum() / angles.sum())
     return (
-        f"{observed.seen_share:.0%} of all directions were seen; the dim rest is inferred from "
+        f"{seen:.0%} of all directions were seen; the dim rest is inferred from "
         "what the materials reflect. Up is at the top, +x in the middle, +y a quarter to the left."
     )

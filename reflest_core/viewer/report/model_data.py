@@ -63,7 +63,7 @@ def model_data(shading: Shading) -> dict[str, Any]:
         "materials": packed(materials),
         "diffuse": packed(displayed(shading.diffuse(light))),
         "modes": modes,
-        "light": packed(_rgbm(_radiance(shading))),
+        "light": packed(_rgbm(_radiance(scan.light))),
         "lightRows": LIGHT_ROWS,
         "brightest": BRIGHTEST,
         "gloss": [
@@ -81,10 +81,8 @@ def packed(array: NDArray[Any]) -> str:
     return base64.b64encode(np.ascontiguousarray(array).tobytes()).decode()
 
 
-def _radiance(shading: Shading) -> NDArray[np.float32]:
-    if shading.own_light is None:
-        return studio(LIGHT_ROWS)
-    return from_octahedral(shading.own_light, LIGHT_ROWS).radiance
+def _radiance(light: NDArray[np.float32] | None) -> NDArray[np.float32]:
+    return studio(LIGHT_ROWS) if light is None else from_octahedral(light, LIGHT_ROWS).radiance
 
 
 def _rgbm(radiance: NDArray[np.float32]) -> NDArray[np.uint8]:

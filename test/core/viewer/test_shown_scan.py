@@ -30,7 +30,7 @@ def test_vertices_lie_on_the_ball_and_know_their_material(shown):
 
 def test_squares_of_voxels_lie_on_the_ball_too():
     _, found = scanned_ball()
-    squares = ShownScan.of_voxels(found, UP, VOXEL)
+    squares = ShownScan.of_voxels(found, UP, VOXEL, None)
     assert len(squares.faces) == 2 * found.surface.voxel_count
     assert np.abs(np.linalg.norm(squares.vertices, axis=1) - RADIUS).max() < VOXEL
     corners = squares.vertices[squares.faces]
