@@ -104,7 +104,8 @@ class ShownScan:
         count = surface.voxel_count
         helper = np.where(np.abs(surface.normals[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 0, 1.0]])
         along = np.cross(helper, surface.normals)
-        along *= 0.5 * SQUARE * voxel_size / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
+        lengths = np.linalg.norm(along, axis=1, keepdims=True)
+        along *= 0.5 * SQUARE * voxel_size / np.maximum(lengths, 1e-9)
         across = np.cross(surface.normals, along)
         corners = np.stack([-along - across, along - across, along + across, across - along], 1)
         first = 4 * np.arange(count, dtype=np.int32)[:, None]

@@ -13,6 +13,9 @@ from reflest_ros.msg import MaterialMap
 from reflest_ros.srv import Estimate
 from test.web.browser import opened, screenshot
 
+PATIENCE = 90_000
+"""Milliseconds: a machine that runs other tests as well draws slowly."""
+
 
 @pytest.fixture(scope="module")
 def viewer(start, peer, feed):
@@ -32,7 +35,7 @@ def viewer(start, peer, feed):
 def page(viewer):
     url = re.search(r"http://[\d.:]+", viewer[0].output)[0]
     with opened(url) as (tab, complaints):
-        tab.get_by_text("voxels").first.wait_for(timeout=60_000)
+        tab.get_by_text("voxels").first.wait_for(timeout=PATIENCE)
         yield tab, complaints
 
 
@@ -43,7 +46,7 @@ def test_the_page_shows_what_was_published(viewer, page):
         time.sleep(0.3)
     time.sleep(1.0)
     tab.mouse.click(640, 430)
-    tab.locator(".reflest-values").wait_for(timeout=20_000)
+    tab.locator(".reflest-values").wait_for(timeout=PATIENCE)
     shown = int(re.search(r"Material (\d+)", tab.locator("body").inner_text())[1])
     material = next(one for one in viewer[1][-1].materials if one.id == shown)
     rows = tab.locator(".reflest-values tr").all_inner_texts()
@@ -59,10 +62,10 @@ def test_the_page_shows_what_was_published(viewer, page):
 def test_its_buttons_call_the_services(viewer, page):
     tab, _ = page
     tab.get_by_role("button", name="Export").click()
-    tab.get_by_text(re.compile(r"wrote .*viewer_.*\.glb")).wait_for(timeout=60_000)
+    tab.get_by_text(re.compile(r"wrote .*viewer_.*\.glb")).wait_for(timeout=PATIENCE)
     tab.get_by_role("button", name="Scan only here").click()
-    tab.get_by_text("a new scan begins, with a sphere").wait_for(timeout=20_000)
-    tab.get_by_text("has no materials yet").wait_for(timeout=20_000)
+    tab.get_by_text("a new scan begins, with a sphere").wait_for(timeout=PATIENCE)
+    tab.get_by_text("has no materials yet").wait_for(timeout=PATIENCE)
 
 
 def test_a_signal_ends_it_without_a_traceback(viewer):
