@@ -26,6 +26,7 @@ from reflest_core.inference.gloss.network_update import roughness_problem, with_
 from reflest_core.inference.gloss.posterior import GlossPosterior, gloss_posterior
 from reflest_core.inference.light import SceneLight, infer_light, seen_light
 from reflest_core.inference.material import explain_material
+from reflest_core.inference.mixed_materials import albedos_of_material
 from reflest_core.inference.transport.surface_irradiance import SurfaceSight
 from reflest_core.models.linear_algebra import one_blas_thread
 from reflest_core.models.predictor import Prediction, Predictor
@@ -87,7 +88,7 @@ class Estimator:
         )
         found = replace(found, posterior=gloss)
         prediction = self.predictor.predict(surface, found)
-        return self._published(surface, prediction, gloss, header)
+        return self._published(surface, prediction, gloss, header, _mixture(light))
 
     def materials(
         self,
@@ -204,7 +205,8 @@ class Estimator:
                     prediction = self.predictor.predict(part, explained)
                     answers[material_id] = prediction, gloss
                 found = scene.of_material(material_id, voxels, prediction, gloss)
-                estimate = self._published(part, prediction, found, header)
+                mixture = _mixture(light) if light.joint is None else ""
+                estimate = self._published(part, prediction, found, header, mixture)
                 rho_d[voxels], stddev[voxels] = found.rho_d, found.rho_d_stddev
                 error = found.photometric_error
             materials.append(_material(material_id, surface.positions[voxels], estimate, error))
@@ -236,6 +238,7 @@ class Estimator:
         prediction: Prediction,
         gloss: GlossPosterior | SceneEstimate | None,
         header: tuple[int, str, str],
+        mixture: str = "",
     ) -> BrdfEstimate:
         stamp_ns, frame_id, light_problem = header
         ward, stddev = physical_ward(prediction.ward), prediction.stddev
@@ -257,6 +260,7 @@ class Estimator:
             colours,
             "" if gloss is None else roughness_problem(ward, stddev, gloss),
             light_problem,
+            mixture,
         )
         found = list(warnings_of(evidence, self.settings))
         return BrdfEstimate(
@@ -312,3 +316,11 @@ def _material(
         len(positions),
         error,
     )
+
+
+def _mixture(light: SceneLight) -> str:
+    """Why the only material of a scene is more than one, as a clause, or ""."""
+    found = albedos_of_material(light, WHOLE)
+    if found is None or not found.is_mixed:
+        return ""
+    return f"{found.share:.0%} of the surface is of another colour"

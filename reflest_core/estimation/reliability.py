@@ -28,6 +28,7 @@ class Evidence:
         colours: what is wrong with the surface's colours.
         gloss_problem: why ``alpha`` cannot be identified, as a clause, or "".
         light_problem: why light known before was not used, or "".
+        mixture: why the surface is no single material, as a clause, or "".
     """
 
     voxels: int
@@ -37,6 +38,7 @@ class Evidence:
     colours: ColourProblems = NO_PROBLEMS
     gloss_problem: str = ""
     light_problem: str = ""
+    mixture: str = ""
 
 
 def warnings_of(evidence: Evidence, settings: EstimationSettings) -> Iterator[EstimateWarning]:
@@ -53,6 +55,12 @@ def warnings_of(evidence: Evidence, settings: EstimationSettings) -> Iterator[Es
             EstimateStatus.FEW_VOXELS,
             f"{evidence.voxels} voxels where the network expects {evidence.wanted_voxels}: "
             "scan more of the object",
+        )
+    if evidence.mixture:
+        yield (
+            EstimateStatus.MIXED_MATERIALS,
+            f"this is more than one material: {evidence.mixture}; use the estimates of each "
+            "material, or narrow the region of interest",
         )
     if evidence.coverage < settings.low_coverage:
         yield (

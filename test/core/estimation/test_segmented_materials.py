@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.estimation.estimator import Estimator, NoEstimate
 from reflest_core.estimation.scan_memory import ScanMemory
 from reflest_core.estimation.settings import EstimationSettings
@@ -105,6 +106,12 @@ def test_ids_go_on_where_a_saved_scan_goes_on(table):
     again = mapped(table.surface, ScanMemory(Segmenter(given)))
     assert (first.material_ids == again.material_ids).mean() > 0.99
     assert given.next_id > max(material.id for material in first.materials)
+
+
+def test_one_estimate_of_several_materials_says_so(table):
+    estimate = Estimator(EstimationSettings()).estimate(table.surface, 1, "camera")
+    assert estimate.status is EstimateStatus.MIXED_MATERIALS
+    assert "more than one material" in estimate.status_text
 
 
 def test_a_turned_world_gives_the_same_materials(table, found):

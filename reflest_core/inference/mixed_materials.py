@@ -1,0 +1,129 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a surface that was taken for one material has two diffuse albedos, side by side.
+
+The apparent albedos of voxels spread over the surface are divided in two (k-means, Lloyd 1982, in
+Lab with lightness halved). Errors of shading change lightness gradually; two materials lie apart,
+each with little scatter of its own, and neighbours are mostly of one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from reflest_core.brdf.lab import rgb_to_lab
+from reflest_core.inference.light import SceneLight
+from reflest_core.inference.transport.irradiance import weighted_radiance
+from reflest_core.light.completion import RADIANCE
+
+ROUNDS = 20
+LIGHTNESS = 0.5
+"""Weight of L beside a and b: the light's errors are mostly of brightness."""
+HIGHEST_ALBEDO, LEAST_IRRADIANCE = 1.5, 1e-3
+NEIGHBOURS = 6
+FEWEST = 50
+"""Voxels, with fewer of which nothing is said."""
+APART, SCATTER = 12.0, 2.2
+"""Distance of the two means in Lab, and over the RMS distance to them, from which they are two."""
+SMALLEST = 0.025
+"""Share of the voxels that the smaller has at least."""
+TOGETHER = 0.9
+"""Share of neighbours that are of the same, at least."""
+OBSERVED = 0.5
+"""Share of the difference in albedo that the observed colours show at least: the rest would be of
+the light, whose completion may be wrong."""
+DARK = 0.003
+"""Added to a linear colour before its logarithm."""
+
+
+@dataclass(frozen=True)
+class TwoAlbedos:
+    """The best division of a surface in two.
+
+    Attributes:
+        share: of the voxels, in the smaller part.
+        distance: between the parts' means, in Lab with lightness halved.
+        scatter: RMS distance of the voxels to their part's mean.
+        together: share of neighbours in one part.
+        observed: share of the parts' difference in log albedo that their colours have too.
+    """
+
+    share: float
+    distance: float
+    scatter: float
+    together: float
+    observed: float
+
+    @property
+    def is_mixed(self) -> bool:
+        """Whether the parts are two materials."""
+        return (
+            self.share >= SMALLEST
+            and self.distance >= max(APART, SCATTER * self.scatter)
+            and self.together >= TOGETHER
+            and self.observed >= OBSERVED
+        )
+
+
+def albedos_of_material(light: SceneLight, material_id: int) -> TwoAlbedos | None:
+    """Divide a material by the albedos that its evidence has in the completed light.
+
+    Args:
+        light: of the scene.
+        material_id: which one; KeyError where the light has no evidence of it.
+    """
+    evidence = light.evidence[material_id]
+    irradiance = weighted_radiance(light.completed, evidence.incoming)[:, RADIANCE]
+    return two_albedos(evidence.surface.positions[evidence.voxels], evidence.colours, irradiance)
+
+
+def two_albedos(
+    positions: NDArray[np.float32], colours: NDArray[np.float32], irradiance: NDArray[np.float32]
+) -> TwoAlbedos | None:
+    """Divide voxels by their apparent albedos.
+
+    Args:
+        positions: (N, 3) metres, spread over the surface.
+        colours: (N, 3) diffuse colours, linear.
+        irradiance: (N, 3) ``E / pi`` in the same units.
+
+    Returns:
+        The division; None where there are too few voxels, or one albedo.
+    """
+    if len(positions) < FEWEST:
+        return None
+    albedo = colours / np.maximum(irradiance, np.float32(LEAST_IRRADIANCE))
+    lab = rgb_to_lab(np.clip(albedo.astype(np.float64), 0.0, HIGHEST_ALBEDO))
+    lab[:, 0] *= LIGHTNESS
+    centred = lab - lab.mean(axis=0)
+    axis = np.linalg.svd(centred, full_matrices=False)[2][0]
+    in_second = centred @ axis > 0.0
+    for _ in range(ROUNDS):
+        if in_second.all() or not in_second.any():
+            return None
+        means = np.stack([lab[~in_second].mean(axis=0), lab[in_second].mean(axis=0)])
+        distances = np.linalg.norm(lab[:, None] - means, axis=2)
+        nearest = distances[:, 1] < distances[:, 0]
+        if (nearest == in_second).all():
+            break
+        in_second = nearest
+    _, near = cKDTree(positions).query(positions, k=NEIGHBOURS + 1)
+    share = float(in_second.mean())
+    shown, differs = _log_step(colours, in_second), _log_step(albedo, in_second)
+    return TwoAlbedos(
+        min(share, 1.0 - share),
+        float(np.linalg.norm(means[0] - means[1])),
+        float(np.sqrt((distances.min(axis=1) ** 2).mean())),
+        float((in_second[near[:, 1:]] == in_second[:, None]).mean()),
+        float(shown @ differs) / max(float(differs @ differs), 1e-9),
+    )
+
+
+def _log_step(colours: NDArray[np.floating], in_second: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """(3,) mean logarithm of the colours of the second part less that of the first."""
+    logs = np.log(colours.astype(np.float64) + DARK)
+    return np.asarray(logs[in_second].mean(axis=0) - logs[~in_second].mean(axis=0))
