@@ -22,7 +22,6 @@ ALL_PARTS = (
     "realism-training",
     "stability",
     "latency",
-    "time-accuracy",
     "eight-bit",
     "baselines",
     "perception",

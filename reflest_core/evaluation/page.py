@@ -42,7 +42,6 @@ SECTIONS: dict[str, Callable[[Record], Lines]] = {
     "realism": ablations.realism,
     "realism-training": ablations.realism_training,
     "latency": cost.latency,
-    "time-accuracy": cost.time_accuracy,
     "eight-bit": cost.eight_bit,
     "baselines": comparisons.baselines,
     "perception": comparisons.perception,

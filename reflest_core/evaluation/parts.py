@@ -38,7 +38,6 @@ from reflest_core.evaluation.studies.realism import measure_realism, measure_rea
 from reflest_core.evaluation.studies.size_and_latency import (
     measure_eight_bit,
     measure_latency,
-    measure_time_accuracy,
 )
 from reflest_core.evaluation.studies.stability import find_captures, measure_stability
 from reflest_core.evaluation.studies.study import Study
@@ -190,10 +189,6 @@ def _materials(study: Study) -> Figures:
     return measure_materials(find_tables(settings.data), settings.limit, settings.environments)
 
 
-def _time_accuracy(study: Study) -> Figures:
-    return measure_time_accuracy(require_lightnet(study.networks), _few_samples(study))
-
-
 def _few_samples(study: Study) -> list[Sample]:
     return random_subset(study.splits["validation"], FEW_SCENES, SUBSET_SEED)
 
@@ -210,7 +205,6 @@ PARTS: dict[str, Callable[[Study], Figures]] = {
     "realism-training": _realism_training,
     "stability": _stability,
     "latency": lambda study: measure_latency(study.networks, study.splits["validation"]),
-    "time-accuracy": _time_accuracy,
     "eight-bit": lambda study: measure_eight_bit(study.networks, _few_samples(study)),
     "baselines": lambda study: measure_baselines(
         study.networks, study.splits, study.settings.optimised

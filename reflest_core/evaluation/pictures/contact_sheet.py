@@ -14,8 +14,10 @@ from reflest_core.evaluation.pictures.bumpy import SIZE
 from reflest_core.evaluation.pictures.swatches import Swatch
 from reflest_core.training.data.sample import Sample
 
-SHOWN = 10
+SHOWN = 5
 """Materials on the sheet."""
+INCHES = 0.9
+"""Edge of a picture."""
 
 
 def draw_contact_sheet(
@@ -50,8 +52,8 @@ def draw_contact_sheet(
             for wards in rows.values()
         ]
     )
-    height = 0.55 * len(rows)
-    figure = Figure(figsize=(0.55 * 2 * len(samples) + 1.6, height + 0.3), layout="constrained")
+    size = INCHES * 2 * len(samples) + 1.6, INCHES * len(rows) + 0.3
+    figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots()
     axes.imshow(np.clip(sheet, 0, 1), interpolation="lanczos")
     axes.set_yticks([SIZE * (row + 0.5) for row in range(len(rows))], list(rows), fontsize=8)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from reflest_core.evaluation.sections.markdown import Lines, Record, interval, table
+from reflest_core.evaluation.sections.markdown import Lines, Record, table
 
 
 def latency(record: Record) -> Lines:
@@ -78,34 +78,5 @@ def quick(record: Record) -> Lines:
         "`reflest evaluate --quick` estimates all validation scenes again from a shipped file of",
         f"{record['bytes'] / 1e6:.1f} MB with the voxels that HemiCNN uses. It fails unless",
         f"{record['variant']} has RMSE {record['rmse']:.4f} again on {record['scenes']} scenes.",
-        "",
-    ]
-
-
-def time_accuracy(record: Record) -> Lines:
-    """Section: error and time by the number of voxels.
-
-    Args:
-        record: Result of :func:`.measure_time_accuracy`.
-    """
-    body = [
-        [
-            point["voxels"],
-            point["rmse"],
-            interval(point["over_scenes"]),
-            f"{point['median_ms']:.1f}",
-            f"{point['p95_ms']:.1f}",
-        ]
-        for point in record["points"]
-    ]
-    return [
-        "## Accuracy against time",
-        "",
-        f"lightnet with fewer voxels than it was trained with, on {record['scenes']} validation",
-        "scenes drawn by seed, and the time of an estimate, features included, on one thread. Most",
-        "of the time goes into the fits of light and material, which use the same voxels in every",
-        "row, so that error and time hardly change.",
-        "",
-        *table(["voxels", "RMSE", "95 %, scenes", "median ms", "p95 ms"], body),
         "",
     ]

@@ -114,33 +114,3 @@ def measure_eight_bit(networks: list[EvaluatedNetwork], samples: list[Sample]) -
             }
         )
     return {"scenes": len(samples), "rows": rows}
-
-
-VOXELS = (8, 16, 24, 32, 48)
-
-
-def measure_time_accuracy(network: EvaluatedNetwork, samples: list[Sample]) -> dict[str, Any]:
-    """RMSE and milliseconds of an estimate (one thread, features included) by number of voxels.
-
-    Args:
-        network: lightnet.
-        samples: The scenes.
-
-    Returns:
-        The record of the part ``time-accuracy``.
-    """
-    points = []
-    for voxels in VOXELS:
-        estimator = network.estimator()
-        estimator.predictor.voxels = voxels
-        made = estimate_all(estimator, samples, f"{network.name}, {voxels} voxels")
-        found = accuracy(made.ward, samples, estimator.predictor.card.statistics)
-        points.append(
-            {
-                "voxels": voxels,
-                "rmse": found.ward.overall,
-                "over_scenes": dataclasses.asdict(found.over_scenes),
-                **time_estimates(estimator.predictor, samples),
-            }
-        )
-    return {"scenes": len(samples), "points": points}
