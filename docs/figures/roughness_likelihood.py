@@ -37,7 +37,7 @@ def main() -> None:
             surface = pipeline.snapshot().surface
             light = complete(seen_light(surface))
             found = gloss_posterior(surface, light, [np.arange(surface.voxel_count)])
-            label = f"{number} frames" + ("" if found.is_identifiable else ", cannot be told")
+            label = f"{number} frames" + ("" if found.is_identifiable else ", cannot be determined")
             axis.plot(found.alphas, found.log_likelihood, "o-", label=label)
             print(label, f"alpha {found.alpha:.3f} +- {found.alpha_stddev:.3f}", found.reason)
     axis.axvspan(found.alpha - found.alpha_stddev, found.alpha + found.alpha_stddev, color="0.9")

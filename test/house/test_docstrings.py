@@ -15,7 +15,7 @@ OWN_WORDS = re.compile(
     r"|what a user can turn|made true by|untruth",
     re.IGNORECASE,
 )
-"""Phrases of this project's own for which the field has terms; docs/glossary.md has the terms."""
+"""Phrases of this project's own for which the field has terms (docs/explanation/glossary.md)."""
 
 
 def sources():
@@ -70,10 +70,25 @@ def test_every_argument_of_a_public_function_is_described(package):
     assert lacking == []
 
 
+def texts():
+    """What else users read, and the tests; not the research notes, nor this file."""
+    for pattern in (
+        "config/*.yaml",
+        "msg/*.msg",
+        "srv/*.srv",
+        "*.md",
+        "docs/**/*.md",
+        "test/**/*.py",
+    ):
+        for path in sorted(ROOT.glob(pattern)):
+            if "research" not in path.parts and path != Path(__file__):
+                yield path
+
+
 def test_the_words_are_the_field_s():
     found = [
         f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
-        for path in [*sources(), *(ROOT / "config").glob("*.yaml"), *(ROOT / "msg").glob("*.msg")]
+        for path in [*sources(), *texts()]
         for number, line in enumerate(path.read_text().splitlines(), 1)
         if OWN_WORDS.search(line)
     ]

@@ -81,7 +81,7 @@ def test_a_longer_exposure_is_said_in_stops(scanning, scanned, peer):
     assert correction == pytest.approx(-2.2 * math.log2(0.9 / 0.4), abs=0.4)
 
 
-def test_the_light_that_was_seen_is_told(scanned, peer):
+def test_the_light_that_was_seen_is_reported(scanned, peer):
     assert 0.0 < float(peer.diagnostics["light seen"]) < 1.0
 
 

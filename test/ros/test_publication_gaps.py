@@ -56,7 +56,7 @@ def test_numbers_are_not_compared_across_a_change_of_publishers():
 
 
 @pytest.mark.parametrize("make", [SingleThreadedExecutor, EventsExecutor])
-def test_each_executor_tells_the_numbers(make, domain_id):
+def test_each_executor_passes_the_numbers_on(make, domain_id):
     context = Context()
     rclpy.init(context=context, domain_id=domain_id)
     node = rclpy.create_node("listener", context=context)

@@ -59,7 +59,7 @@ def test_a_node_whose_name_is_not_known_yet_is_a_publisher():
     assert "a publisher offers reliability best_effort" in problem
 
 
-def test_a_publisher_that_is_not_listed_yet_is_told_by_its_policy():
+def test_a_publisher_that_is_not_listed_yet_is_recognised_by_its_policy():
     problem = unseen_problem("/rgb", QoSPolicyKind.RELIABILITY)
     assert "/rgb is not received" in problem
     assert "qos_overrides./rgb.subscription.reliability" in problem

@@ -97,7 +97,7 @@ def test_a_job_runs_after_what_came_before_it_and_its_error_reaches_the_caller(f
     assert worker.call(lambda: "alive").result(60) == "alive"
 
 
-def test_an_image_without_partners_is_settled_when_messages_stop():
+def test_an_image_without_partners_is_decided_when_messages_stop():
     refused = threading.Event()
     assembler = FrameAssembler(
         CaptureSettings(), on_refusal=lambda refusal, is_first: refused.set()

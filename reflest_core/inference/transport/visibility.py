@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """How much of each patch of light an object hides from its own surface.
 
-Voxels are taken for discs that face along their normals, and what they cover of each other's view
-is summed by patch (Bunnell 2005, "Dynamic Ambient Occlusion and Indirect Lighting"): no rays, and
-a part that was never scanned hides nothing.
+Voxels are taken for surfels, and what they cover of each other's view is summed by patch (Bunnell
+2005, "Dynamic Ambient Occlusion and Indirect Lighting"): no rays, and a part that was never scanned
+hides nothing.
 """
 
 from __future__ import annotations

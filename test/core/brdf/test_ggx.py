@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The lobe against what is known of GGX, the table against a fit made anew."""
+"""The lobe against what is known of GGX, the table against a new fit."""
 
 import math
 

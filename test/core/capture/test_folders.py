@@ -163,7 +163,7 @@ def test_topics_do_not_apply_to_folders(scenes):
         ("old.bag", "rosbags-convert"),
     ],
 )
-def test_what_is_no_capture_is_told_what_would_be(tmp_path, name, words):
+def test_what_is_no_capture_is_refused_with_what_would_be(tmp_path, name, words):
     (tmp_path / "empty").mkdir()
     (tmp_path / "notes.txt").write_text("hello")
     (tmp_path / "old.bag").write_bytes(b"#ROSBAG V2.0\n")

@@ -16,7 +16,7 @@ def mcap(tmp_path_factory):
     return next(bag.glob("*.mcap"))
 
 
-def test_a_whole_summary_tells_the_counts_of_a_file_whose_middle_is_damaged(mcap, tmp_path):
+def test_a_whole_summary_gives_the_counts_of_a_file_whose_middle_is_damaged(mcap, tmp_path):
     damaged = tmp_path / mcap.name
     content = bytearray(mcap.read_bytes())
     middle = len(content) // 2

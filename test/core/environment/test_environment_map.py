@@ -81,7 +81,7 @@ def test_light_is_neither_lost_nor_won():
     np.testing.assert_allclose(there, given, rtol=2e-3)
 
 
-def test_what_was_seen_is_kept_and_what_was_not_is_told_apart():
+def test_what_was_seen_is_kept_and_what_was_not_is_marked():
     rng = np.random.default_rng(1)
     directions = rng.normal(size=(60000, 3)).astype(np.float32)
     directions[:, 0] = np.abs(directions[:, 0])

@@ -52,7 +52,7 @@ def seen(seed, turn, gain=(1.0, 1.0, 1.0), highest=0.1):
 
 
 @pytest.mark.parametrize(("seed", "turn"), [(0, 0.0), (2, 0.4), (5, 3.3), (3, 6.2)])
-def test_the_room_is_told_at_any_turn_and_exposure(seed, turn):
+def test_the_room_is_recognised_at_any_turn_and_exposure(seed, turn):
     gain = (0.5, 0.6, 0.4)
     joined = rooms().joined(seen(seed, turn, gain))
     assert joined.problem == ""
@@ -72,7 +72,7 @@ def test_a_room_that_is_not_among_them_is_not_taken_for_another():
     assert "room-" in joined.problem
 
 
-def test_two_rooms_that_look_alike_are_not_told_apart():
+def test_two_rooms_that_look_alike_are_not_distinguished():
     alike = KnownRooms([room(0), dataclasses.replace(room(0), name="twin")], "rooms")
     light = seen(0, 0.4)
     assert alike.joined(light).light is light
@@ -106,7 +106,7 @@ def test_only_what_is_known_of_a_room_is_taken():
     np.testing.assert_allclose(joined.light.radiance.reshape(-1, 3)[taken], truth[taken], rtol=0.15)
 
 
-def test_a_room_of_which_nothing_in_sight_is_known_is_not_told():
+def test_a_room_of_which_nothing_in_sight_is_known_is_not_recognised():
     whole = room(1)
     is_known = equirectangular_directions(HEIGHT)[..., 2] > 0.3
     above = dataclasses.replace(whole, is_known=is_known)

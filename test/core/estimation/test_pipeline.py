@@ -106,7 +106,7 @@ def test_an_earlier_scan_of_the_room_stands_in_for_what_was_not_seen(tmp_path):
     np.testing.assert_array_equal(joined.surface.colours, alone.surface.colours)
 
 
-def test_light_that_does_not_fit_is_a_doubt_and_changes_nothing(tmp_path):
+def test_light_that_does_not_fit_is_a_warning_and_changes_nothing(tmp_path):
     noise = np.exp(np.random.default_rng(0).normal(0.0, 2.0, (32, 64, 3))).astype(np.float32)
     cv2.imwrite(str(tmp_path / "elsewhere.hdr"), noise)
     settings, frames = in_a_room(4)

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Reasons not to trust an estimate: each by its threshold, the gravest first."""
+"""Reasons not to trust an estimate: each by its threshold, the most severe first."""
 
 import dataclasses
 import re
@@ -59,14 +59,14 @@ LONGEST_TEXT = 512
         ({"gloss_problem": "it is dark"}, EstimateStatus.UNCERTAIN_GLOSS, "told: it is dark$"),
     ],
 )
-def test_each_threshold_is_a_doubt_and_what_to_do(changed, status, sentence):
+def test_each_threshold_is_a_warning_with_what_to_do(changed, status, sentence):
     assert list(warnings_of(Evidence(**SURE), SETTINGS)) == []
     ((found, text),) = warnings_of(Evidence(**{**SURE, **changed}), SETTINGS)
     assert found is status
     assert re.search(sentence, text)
 
 
-def test_no_light_at_all_is_in_doubt_whatever_the_threshold():
+def test_no_light_at_all_is_warned_of_whatever_the_threshold():
     evidence = Evidence(**{**SURE, "light": LightKnowledge(0.0, 0.0)})
     ((status, _),) = warnings_of(evidence, EstimationSettings(low_light=0.0))
     assert status is EstimateStatus.LOW_LIGHT
@@ -76,7 +76,7 @@ def test_networks_that_do_not_look_at_the_light_are_not_judged_by_it():
     assert list(warnings_of(Evidence(**{**SURE, "light": None}), SETTINGS)) == []
 
 
-def test_all_doubts_come_in_the_order_that_the_message_states_and_fit_into_it():
+def test_all_warnings_come_in_the_order_that_the_message_states_and_fit_into_it():
     worst = Evidence(1000, 1001, 0.001, LightKnowledge(0.101, 0.991), gloss_problem=LONGEST_REASON)
     strict = EstimationSettings(low_coverage=0.999, low_light=0.999, clipped_light=0.111)
     found = list(warnings_of(worst, strict))

@@ -167,7 +167,7 @@ def test_too_few_voxels_have_no_materials(table):
 def test_a_scan_that_does_not_change_is_not_answered_again(table, found):
     memory = ScanMemory()
     mapped(table.surface, memory)
-    first = mapped(table.surface, memory)  # by now the light has settled
+    first = mapped(table.surface, memory)  # by now the light has converged
     answers = dict(memory.answers)
     again = mapped(table.surface, memory)
     assert [material.id for material in again.materials] == [m.id for m in first.materials]

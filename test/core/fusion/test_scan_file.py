@@ -172,7 +172,7 @@ def test_a_file_of_version_2_is_read(scan, saved, without_light):
 
 
 def test_a_file_of_version_3_is_read(scan, saved):
-    """It told of clipped light, but not in which channel."""
+    """It held clipped light, but not by channel."""
     of_any = np.arange(SIZE * SIZE, dtype=np.float32).reshape(SIZE, SIZE)
     rewrite(saved, header={"version": 3}, light_clipped_count=of_any)
     loaded = Scan.load(saved)

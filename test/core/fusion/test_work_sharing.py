@@ -46,7 +46,7 @@ def test_a_part_that_no_thread_has_begun_is_done_by_the_caller():
     assert busy.result()
 
 
-def test_a_failing_part_is_told():
+def test_a_failing_part_is_reported():
     def fail(start, stop):
         raise OSError("part")
 

@@ -52,7 +52,7 @@ def test_lobes_into_unseen_light_are_left_out(scene):
 
 
 @pytest.mark.parametrize("is_lamp", [True, False])
-def test_what_is_beyond_white_or_beyond_the_fill_is_told_apart_from_the_gloss(scene, is_lamp):
+def test_what_is_beyond_white_or_beyond_the_fill_is_separated_from_the_gloss(scene, is_lamp):
     """Some lobes see a clipped lamp, or a sky that the fill took for too dark, in part."""
     colours, clipped, lobes, voxel_of = scene
     lobes = lobes.copy()
@@ -96,7 +96,7 @@ def test_clipped_observations_are_left_out(scene):
 
 
 def test_clipped_observations_are_lower_bounds(scene):
-    """All that tells of the gloss is clipped: it is at least what makes the model as bright."""
+    """All observations of the gloss are clipped: it is at least what makes the model as bright."""
     colours, clipped, lobes, voxel_of = scene
     colours, clipped, lobes = colours.copy(), clipped.copy(), lobes.copy()
     lobes[..., :3], colours[:] = 0.1, 0.2

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A glossy surface tells of light that no camera saw, and so of its own albedo."""
+"""A glossy surface shows light that no camera saw, and so its own albedo."""
 
 import dataclasses
 
@@ -80,7 +80,7 @@ def test_clipped_directions_answer_to_an_excess():
     assert not parts.unseen.any()
 
 
-def test_gloss_tells_the_albedo_under_unseen_light():
+def test_gloss_determines_the_albedo_under_unseen_light():
     sample, _, _, response, whole = explained(0.3)
     np.testing.assert_allclose(whole.albedo, ALBEDO, rtol=0.25)
     darkest = np.full((len(sample.normals), 3), 1.0, np.float32)

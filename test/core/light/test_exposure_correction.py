@@ -72,7 +72,7 @@ def scanned(exposures):
     return scan
 
 
-def test_a_scan_tells_exposure_from_reflectance(tmp_path):
+def test_a_scan_distinguishes_exposure_from_reflectance(tmp_path):
     exposures = 2.0 ** np.linspace(0.0, -1.5, VIEWS)
     scan = scanned(exposures)
     np.testing.assert_allclose(scan.views.gains[: scan.views.count] * exposures, 1.0, rtol=0.06)

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Exposure told from the background, and what a map gains from frames of different exposure."""
+"""Exposure inferred from the background, and what a map gains from frames of different exposure."""
 
 import numpy as np
 import pytest
@@ -62,7 +62,7 @@ def test_a_locked_exposure_gives_the_map_of_plain_sums():
         np.testing.assert_array_equal(gathered.arrays[name], array)
 
 
-def test_a_darker_frame_tells_what_the_lamp_really_is():
+def test_a_darker_frame_shows_what_the_lamp_really_is():
     light = LightMap()
     light.add_frame(*pixels(LAMP))
     texel = octahedral_texels(LAMP[None], 96)[0]

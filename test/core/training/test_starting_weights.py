@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A training that begins with another's weights: what is kept, what is made anew, what it says."""
+"""Training that begins with other weights: what is kept, what begins at random, what it says."""
 
 import numpy as np
 import pytest

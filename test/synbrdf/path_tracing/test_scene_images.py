@@ -96,7 +96,7 @@ def test_files_of_a_view_agree_with_each_other(images):
         np.testing.assert_array_equal(colour, expose(hdr, card["exposure"]))
 
 
-def test_the_card_tells_the_truth_and_the_sparse_exposure(images, sparse):
+def test_the_card_holds_the_truth_and_the_sparse_exposure(images, sparse):
     card = json.loads((images / "scene.json").read_text())
     assert card["rho_d"] == list(sparse.materials.dominant.ward.rho_d)
     assert (card["rho_s"], card["alpha"]) == (

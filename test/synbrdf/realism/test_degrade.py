@@ -66,7 +66,7 @@ DRIFT = COLOURS | MEANS | {"thumbnails.rgbe", "radiance"}
 )
 def test_an_effect_touches_what_it_should(scene, effect, touched):
     after = degrade(scene, Realism.only([effect]), rng())
-    # F and B are averaged anew, through a table of the sRGB curve.
+    # F and B are averaged again, through a table of the sRGB curve.
     for name in MEANS:
         np.testing.assert_allclose(
             arrays(after)[name], arrays(scene)[name], atol=60 if touched == DRIFT else 0.3

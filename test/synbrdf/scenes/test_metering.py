@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Exposing a rendered scene anew."""
+"""Exposing a rendered scene again."""
 
 import dataclasses
 

@@ -24,7 +24,7 @@ def test_a_small_step_back_is_late_and_changes_nothing():
     assert clock.latest(Role.RGB) == 10 * S
 
 
-def test_a_jump_is_told_once_and_all_topics_follow():
+def test_a_jump_is_reported_once_and_all_topics_follow():
     clock = StampClock(jump=1.0)
     fed(clock, 100)
     assert clock.take(Role.DEPTH, 5 * S) is StampVerdict.LATE, "it may be a mistake"

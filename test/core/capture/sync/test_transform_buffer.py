@@ -173,7 +173,7 @@ def test_after_a_clock_jump_static_transforms_stay():
     assert buffer.has_reached("map", "ball", 0), "it has jumped back already"
 
 
-def test_a_frame_whose_clock_jumps_back_starts_anew():
+def test_a_frame_whose_clock_jumps_back_starts_again():
     buffer = buffer_of(*(transform("map", "camera", at) for at in (9.0, 10.0, 1.0, 1.5)))
     assert buffer.has_reached("map", "camera", round(1.4 * S))
     with pytest.raises(FrameRefused):

@@ -26,7 +26,7 @@ def table(foreground, background, capacity=None):
 
 
 @pytest.mark.parametrize("stops", [-1.5, -0.5, 0.0, 1.0])
-def test_a_gain_of_both_is_told_in_stops(stops):
+def test_a_gain_of_both_is_given_in_stops(stops):
     gain = 2.0 ** np.repeat([0.0, stops / 2, stops], 10)
     assert exposure_drift(table(0.2 * gain, 0.1 * gain)) == pytest.approx(stops, abs=1e-4)
 

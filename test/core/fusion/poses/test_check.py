@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Wrong conventions, jumps and ray lengths are told from right poses, and named."""
+"""Wrong conventions, jumps and ray lengths are distinguished from right poses, and named."""
 
 from dataclasses import replace
 

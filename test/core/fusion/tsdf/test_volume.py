@@ -84,7 +84,7 @@ def test_surface_that_went_away_is_cleared():
     assert np.any(without.positions[:, 2] < 0.1)
 
 
-def test_voxels_that_leave_are_told_with_where_their_surface_went():
+def test_voxels_that_leave_are_reported_with_where_their_surface_went():
     volume = TsdfVolume(0.005, 4.0, 1000)
     first, _ = fuse(volume, [render([OBJECT], look_at((0.5, 0.0, 0.0)), 0)])
     nearer = Sphere((0.006, 0.0, 0.0), 0.1)

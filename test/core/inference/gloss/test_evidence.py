@@ -60,7 +60,7 @@ def test_a_ray_is_stopped_by_what_stands_before_it():
     assert leaves_object(OccupiedCells.of(positions[:0]).cells, 0.5, 0.5, 0.5, 0.0, 0.0, 0.6)
 
 
-def test_even_light_tells_nothing_and_edges_tell_most():
+def test_even_light_holds_no_information_and_edges_most():
     even = np.ones_like(room().radiance)
     flat = light_bands(complete(dataclasses.replace(room(), radiance=even)))
     np.testing.assert_allclose(flat[:, : 3 * BANDS], 0.0, atol=1e-5)

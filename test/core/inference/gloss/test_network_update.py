@@ -43,7 +43,7 @@ def test_a_network_that_is_surer_counts_more():
     assert sure > unsure
 
 
-def test_roughness_that_cannot_be_told_is_the_networks():
+def test_roughness_that_is_not_identifiable_is_the_networks():
     unknown = dataclasses.replace(FOUND, is_identifiable=False, reason="nothing is known")
     ward, stddev = with_posterior(WARD, STDDEV, unknown)
     np.testing.assert_array_equal(ward, WARD)

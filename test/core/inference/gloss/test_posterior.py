@@ -43,14 +43,14 @@ def test_the_likelihood_is_greatest_at_the_true_roughness(rho_d, rho_s, alpha):
     np.testing.assert_allclose(found.rho_d[0, best], rho_d, rtol=0.1)
 
 
-def test_a_matte_surface_tells_nothing_of_roughness():
+def test_a_matte_surface_holds_no_information_on_roughness():
     found = posterior(sphere(LIGHT, PLASTIC, 0.0, 0.1))
     assert not found.is_identifiable
     assert "log-likelihood" in found.reason
     assert found.delta_log_likelihood < 20.0
 
 
-def test_light_that_was_not_seen_tells_nothing_of_roughness():
+def test_light_that_was_not_seen_gives_no_information_on_roughness():
     unseen = dataclasses.replace(LIGHT, coverage=np.full_like(LIGHT.coverage, 1e-3))
     found = posterior(sphere(LIGHT, PLASTIC, 0.05, 0.05), light=unseen)
     assert not found.is_identifiable

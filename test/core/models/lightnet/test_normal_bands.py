@@ -36,7 +36,7 @@ def test_a_band_that_nothing_faces_is_zero_and_says_so():
     assert not found.of_channels.reshape(3, 3, BANDS)[:, :, :-1].any()
 
 
-def test_what_is_clipped_is_told_by_channel():
+def test_what_is_clipped_is_counted_by_channel():
     found = bands([SIDE, SIDE], by_fill=0.0, clipped=[(1, 0, 0), (0, 0, 1)])
     np.testing.assert_allclose(found.of_channels[:, 2 * BANDS + 2], [0.5, 0.0, 0.5])
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What the network is told of a scene: the right things, whichever way it is turned or coloured."""
+"""The network's statistics of a scene: the right ones, whichever way it is turned or coloured."""
 
 import dataclasses
 
@@ -47,7 +47,7 @@ def test_sizes_are_as_stated(surface):
     assert found.of_all.shape == (STATISTICS,)
 
 
-def test_which_way_what_is_clipped_faces_is_told(surface):
+def test_clipped_colours_are_binned_by_normal_elevation(surface):
     faces_down = surface.normals[:, 2] < -0.6
     colours = surface.colours.copy()
     colours[np.repeat(faces_down, surface.observation_counts), 0] = 255

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Standard deviations are made true on what was held out."""
+"""Standard deviations are calibrated on what was held out."""
 
 import numpy as np
 import pytest
@@ -74,7 +74,7 @@ def test_colour_channels_share_their_calibration():
     assert abs(found.factors[3] - 1.0) < 0.1
 
 
-def test_correlated_errors_are_told():
+def test_correlated_errors_are_measured():
     rng = np.random.default_rng(4)
     shared = rng.normal(size=(4000, 1))
     errors = np.concatenate(
