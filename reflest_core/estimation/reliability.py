@@ -80,7 +80,7 @@ def warnings_of(evidence: Evidence, settings: EstimationSettings) -> Iterator[Es
     if evidence.gloss_problem and not evidence.colours:
         yield (
             EstimateStatus.UNCERTAIN_GLOSS,
-            f"alpha cannot be told: {evidence.gloss_problem}",
+            f"alpha cannot be determined: {evidence.gloss_problem}",
         )
 
 

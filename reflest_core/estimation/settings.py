@@ -82,15 +82,15 @@ class EstimationSettings:
     )
     gloss_voxels: int = parameter(
         200,
-        "Voxels of one material whose highlights tell lightnet's alpha, at about 0.1 ms each; "
+        "Voxels of one material whose highlights determine lightnet's alpha, at about 0.1 ms each; "
         "fewer leave more uncertainty.",
         minimum=30,
         maximum=10000,
     )
     gloss_information: float = parameter(
         40.0,
-        "With less log-likelihood over that of a matte surface lightnet's alpha cannot be told "
-        "from highlights, and an estimate is marked UNCERTAIN_GLOSS.",
+        "With less log-likelihood over that of a matte surface lightnet's alpha cannot be "
+        "determined from highlights, and an estimate is marked UNCERTAIN_GLOSS.",
         minimum=0.0,
         maximum=1e6,
     )

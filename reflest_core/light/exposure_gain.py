@@ -60,7 +60,7 @@ def exposure_gain(
 
     Texels in which anything is clipped are left out; the rest vote by their median. Where parallax
     makes them disagree, the surface's voxels are used instead if they agree better. Light that
-    changes as a whole cannot be told from exposure.
+    changes as a whole cannot be distinguished from exposure.
 
     Args:
         known: The map's sums (N, N, 3), counts (N, N) and clipped counts (N, N, 3), none empty.

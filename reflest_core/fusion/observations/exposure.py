@@ -72,7 +72,7 @@ def exposure_drift(views: ViewTable) -> float:
 
     Compares the median luminance of F and of B (mean colours of foreground and background). Only
     the change that both share counts, for what the camera looks at changes them one by one. Light
-    that changes cannot be told from exposure.
+    that changes cannot be distinguished from exposure.
 
     Args:
         views: The stored views.

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Whether observations hold enough information to tell roughness, and how closely they tell it.
+"""Whether observations hold enough information on roughness, and how closely they determine it.
 
 Neighbouring observations err together, so the likelihood of independent errors is too sharp. Parts
 of the surface measure how much too sharp: the variance of their likelihoods' slopes at the maximum
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 LEAST_GAIN = 40.0
-"""Log-likelihood over ``rho_s = 0``, below which roughness cannot be told."""
+"""Log-likelihood over ``rho_s = 0``, below which roughness cannot be determined."""
 FEWEST_VOXELS = 60.0
 """Effective voxels, below which it cannot."""
 MOST_CLIPPED = 0.5
@@ -44,7 +44,7 @@ class Identifiability:
         log_alpha: Posterior mean of ``ln alpha``.
         log_alpha_stddev: Standard deviation of ``ln alpha``, with the model's own error.
         gain: Log-likelihood over ``rho_s = 0``.
-        reason: Why roughness cannot be told, as a clause; "" where it can.
+        reason: Why roughness cannot be determined, as a clause; "" where it can.
     """
 
     probability: NDArray[np.float64]

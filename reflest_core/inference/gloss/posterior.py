@@ -46,7 +46,7 @@ class GlossPosterior:
         log_alpha_stddev: Standard deviation of ``ln alpha``.
         delta_log_likelihood: Over ``rho_s = 0``.
         effective_voxels: Sum of the chosen voxels' trust.
-        is_identifiable: Whether ``alpha`` can be told.
+        is_identifiable: Whether ``alpha`` can be determined.
         reason: Why not, as a clause; "" where it can.
     """
 
@@ -122,7 +122,7 @@ def gloss_posterior(
             albedo of its own.
         rated: What :meth:`.RatedSurface.of` gave for this surface and light; None to rate it here.
         most: Voxels that are explained at most. Fewer take less time and leave more uncertainty.
-        least_gain: Log-likelihood over ``rho_s = 0``, below which roughness cannot be told.
+        least_gain: Log-likelihood over ``rho_s = 0``, below which roughness cannot be determined.
 
     Returns:
         The posterior; flat and not identifiable where no voxel qualifies.

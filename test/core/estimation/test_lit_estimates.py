@@ -42,7 +42,7 @@ def test_every_value_has_a_deviation_and_all_repeats_bit_for_bit(weights):
     found, again = (estimate(surface, weights) for _ in range(2))
     assert found.to_json() == again.to_json()
     assert found.status is EstimateStatus.UNCERTAIN_GLOSS  # a sky without edges, few voxels
-    assert found.status_text.startswith("alpha cannot be told: ")
+    assert found.status_text.startswith("alpha cannot be determined: ")
     assert found.model_id.startswith("lightnet/")
     assert (ward_stddev(found) > 0).all()
     ward = np.array([*found.rho_d, found.rho_s, found.alpha])
