@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.inference.gloss_fit import GlossFit, fit_gloss
+from reflest_core.inference.gloss.gloss_fit import GlossFit, fit_gloss
 from reflest_core.inference.transport.irradiance import Incoming, incoming
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.inference.transport.visibility import Occluders, Sight

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.inference.gloss_fit import GlossFit, fit_gloss
+from reflest_core.inference.gloss.gloss_fit import GlossFit, fit_gloss
 from reflest_core.inference.joint_system import ChannelState, ChannelSystem
 from reflest_core.inference.light_prior import BRIGHT, LightPrior
 from reflest_core.inference.transport.irradiance import incoming

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.inference.gloss_fit import GlossFit
+from reflest_core.inference.gloss.gloss_fit import GlossFit
 from reflest_core.inference.joint_light import (
     TURNS_AGAIN,
     JointInference,

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Unseen and clipped light inferred from all that a surface sends back, gloss included.
 
-Once ``rho_s`` and ``alpha`` are known from seen light (:mod:`.gloss_fit`), every observation is
+Once ``rho_s`` and ``alpha`` are known from seen light (:mod:`.gloss.gloss_fit`), every observation is
 
     L = rho_d E(n) / pi + rho_s S(o, n, alpha)
 
@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.inference.gloss_fit import GlossFit
+from reflest_core.inference.gloss.gloss_fit import GlossFit
 from reflest_core.inference.light_from_shading import ChannelLight, InferredLight
 from reflest_core.inference.light_prior import (
     BRIGHT,

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.inference.evidence import MaterialEvidence
+from reflest_core.inference.gloss.gloss_fit import SURE, GlossFit
 from reflest_core.inference.gloss.posterior import GlossPosterior
-from reflest_core.inference.gloss_fit import SURE, GlossFit
 from reflest_core.inference.light import Inferences, SceneLight, infer_light
 from reflest_core.inference.material_fit import MaterialFit, fit_material
 from reflest_core.inference.transport.irradiance import DARKEST, Incoming, weighted_radiance

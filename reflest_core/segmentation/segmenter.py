@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.lab import rgb_to_lab
-from reflest_core.inference.gloss_fit import EVIDENCE, GlossFit
+from reflest_core.inference.gloss.gloss_fit import EVIDENCE, GlossFit
 from reflest_core.inference.joint_light import JointLight
 from reflest_core.inference.joint_scene import JointScene, infer_jointly
 from reflest_core.inference.transport.scene_occluders import SceneOccluders

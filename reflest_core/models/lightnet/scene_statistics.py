@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.inference.gloss_fit import SURE, GlossFit
+from reflest_core.inference.gloss.gloss_fit import SURE, GlossFit
 from reflest_core.inference.light_from_shading import InferredLight
 from reflest_core.inference.material import Explanation
 from reflest_core.inference.material_fit import MaterialFit

@@ -56,7 +56,11 @@ LONGEST_TEXT = 512
             EstimateStatus.CLIPPED_LIGHT,
             "^all is white$",
         ),
-        ({"gloss_problem": "it is dark"}, EstimateStatus.UNCERTAIN_GLOSS, "determined: it is dark$"),
+        (
+            {"gloss_problem": "it is dark"},
+            EstimateStatus.UNCERTAIN_GLOSS,
+            "determined: it is dark$",
+        ),
     ],
 )
 def test_each_threshold_is_a_warning_with_what_to_do(changed, status, sentence):

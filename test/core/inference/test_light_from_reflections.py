@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from reflest_core.inference.gloss_fit import GlossFit
+from reflest_core.inference.gloss.gloss_fit import GlossFit
 from reflest_core.inference.light import complete_by
 from reflest_core.inference.light_from_reflections import infer_light_by_gloss
 from reflest_core.inference.light_from_shading import infer_from_shading

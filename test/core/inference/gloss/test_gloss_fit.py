@@ -5,8 +5,8 @@
 import numpy as np
 import pytest
 
-from reflest_core.inference.gloss_fit import EVIDENCE, GlossFit, fit_gloss
-from reflest_core.inference.gloss_kernel import _first_deviation
+from reflest_core.inference.gloss.gloss_fit import EVIDENCE, GlossFit, fit_gloss
+from reflest_core.inference.gloss.gloss_kernel import _first_deviation
 
 K, TRUE, GLOSS = 8, 2, 0.35
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.inference.gloss_kernel import fit_roughness
+from reflest_core.inference.gloss.gloss_kernel import fit_roughness
 from reflest_core.inference.material_fit import likelihood
 from reflest_core.inference.transport.ward_lobe import ROUGHNESSES
 
