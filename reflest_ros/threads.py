@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import contextlib
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from typing import TypeVar
 
@@ -44,19 +44,21 @@ def worker_thread(
     return threading.Thread(target=guarded, name=name, daemon=True)
 
 
-def resolve(future: Future[T], work: Callable[[], T]) -> None:
-    """Run ``work`` and give the future its result or what it raised.
+def resolve(futures: Sequence[Future[T]], work: Callable[[], T]) -> None:
+    """Run ``work`` once and give the futures its result or what it raised.
 
     Args:
-        future: A future that nobody has resolved yet.
-        work: Any exception of it becomes the future's.
+        futures: Futures that nobody has resolved yet.
+        work: Any exception of it becomes the futures'.
     """
     try:
         result = work()
-    except BaseException as error:  # raised again where the future's result is asked for
-        future.set_exception(error)
+    except BaseException as error:  # raised again where a future's result is asked for
+        for future in futures:
+            future.set_exception(error)
     else:
-        future.set_result(result)
+        for future in futures:
+            future.set_result(result)
 
 
 class Spinning:

@@ -49,7 +49,8 @@ class EstimationWorker:
     """Estimates the newest keyframe and whatever is asked for.
 
     A keyframe that comes before the last one was begun takes its place: the topic shows the state
-    of the scan, not its history.
+    of the scan, not its history. Requests that wait at the same time get one estimate, of the
+    newest snapshot among theirs, so that none waits for those of others.
 
     Attributes:
         skipped: Keyframes that a newer one replaced.
@@ -114,7 +115,7 @@ class EstimationWorker:
             self._changed.notify()
 
     def request(self, keyframe: Keyframe) -> Future[BrdfEstimate]:
-        """Estimate this snapshot before any keyframe.
+        """Estimate this snapshot, or a newer one of another request, before any keyframe.
 
         Args:
             keyframe: The snapshot with the time of the request.
@@ -164,22 +165,26 @@ class EstimationWorker:
                 self._changed.wait_for(self._has_work)
                 if self._is_stopped:
                     return
-                generation, future, keyframe = self._generation, None, None
+                generation, keyframe = self._generation, None
+                waiting: list[tuple[Keyframe, Future[BrdfEstimate]]] = []
                 job = self._jobs.popleft() if self._jobs else None
                 if job is None and self._requests:
-                    keyframe, future = self._requests.popleft()
+                    waiting = list(self._requests)
+                    self._requests.clear()
+                    keyframe = max((one for one, _ in waiting), key=lambda one: one.arrival)
                 elif job is None and self._keyframe is not None:
                     keyframe, self._keyframe = self._keyframe, None
                 if job is None:
                     self._are_materials_due = keyframe is not None
             if job is not None:
-                resolve(job[1], job[0])
+                resolve([job[1]], job[0])
                 continue
             if keyframe is None:
                 self._publish_further(generation)
                 continue
-            if future is not None:
-                resolve(future, functools.partial(self._published, keyframe, generation))
+            if waiting:
+                futures = [future for _, future in waiting]
+                resolve(futures, functools.partial(self._published, keyframe, generation))
             else:
                 self._work(keyframe, generation)
 

@@ -236,7 +236,7 @@ class FusionWorker:
             if item is None:
                 self.settle()
             elif isinstance(item, _Job):
-                resolve(item.future, item.work)
+                resolve([item.future], item.work)
             else:
                 self._take(item)
 

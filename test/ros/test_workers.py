@@ -252,6 +252,28 @@ def test_an_internal_error_ends_a_future_and_the_next_keyframe_is_estimated(esti
     assert not published.crashes
 
 
+def test_requests_that_wait_together_get_one_estimate_of_the_newest(estimating):
+    """Ten clients that ask at once wait for two estimates at most, not for ten."""
+    begun, release, estimated = threading.Event(), threading.Event(), []
+
+    def estimate(snapshot):
+        estimated.append(snapshot.stamp_ns)
+        begun.set()
+        release.wait(60)
+        return ESTIMATE
+
+    worker, published = estimating(estimate)
+    first = worker.request(keyframe(1))
+    assert begun.wait(60)
+    asked = [dataclasses.replace(keyframe(k), arrival=float(k)) for k in range(2, 12)]
+    waiting = [worker.request(one) for one in [*asked[5:], *asked[:5]]]
+    release.set()
+    assert all(future.result(60) is ESTIMATE for future in (first, *waiting))
+    worker.stop()
+    assert estimated == [1, 11]
+    assert not published.crashes
+
+
 def test_a_request_that_waits_when_the_worker_stops_is_answered(estimating):
     begun, release = threading.Event(), threading.Event()
 
