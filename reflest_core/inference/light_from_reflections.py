@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Unseen and clipped light inferred from all that a surface sends back, gloss included.
 
-Once ``rho_s`` and ``alpha`` are known from seen light (:mod:`.gloss.gloss_fit`), every observation is
+Once ``rho_s`` and ``alpha`` are known from seen light (:mod:`.gloss.gloss_fit`), observations are
 
     L = rho_d E(n) / pi + rho_s S(o, n, alpha)
 
