@@ -28,6 +28,8 @@ KEPT = 0.7
 SUBSETS = 4
 VOXEL_SIZES = (0.003, 0.005, 0.008)
 """Metres."""
+FOLDS, LEFT_OUT = 10, 3
+"""Equal parts that the frames are divided in, and how many of them are left out, one at a time."""
 POSE_ERROR = 1e-4
 """Metres and radians, standard deviation along each axis and about it."""
 SEED = 20
@@ -103,6 +105,7 @@ def _ratios(frames: list[Frame], settings: ReflestSettings) -> dict[str, NDArray
             dataclasses.replace(snapshot, surface=keep_voxels(surface, chosen))
         )
 
+    folds = np.random.default_rng(SEED).permutation(len(frames)) % FOLDS
     around_mean = {
         "70 % of frames": [
             again([frame for frame in frames if rng.random() < KEPT]) for rng in _seeds()
@@ -112,6 +115,10 @@ def _ratios(frames: list[Frame], settings: ReflestSettings) -> dict[str, NDArray
     }
     around_base = {
         "one grey level": [again([_brighter(frame) for frame in frames])],
+        "another tenth of frames left out": [
+            again([frame for frame, fold in zip(frames, folds, strict=True) if fold != left_out])
+            for left_out in range(LEFT_OUT)
+        ],
         "poses by 1e-4": [again([_moved(frame, rng) for frame in frames]) for rng in _seeds(2)],
     }
     found = {}

@@ -23,6 +23,7 @@ CAPTURE = Path(__file__).parents[4] / "captures" / "glossy-red"
 def few(monkeypatch):
     monkeypatch.setattr(study, "SUBSETS", 2)
     monkeypatch.setattr(study, "VOXEL_SIZES", (0.005, 0.008))
+    monkeypatch.setattr(study, "LEFT_OUT", 1)
     whole = study.open_capture
     monkeypatch.setattr(study, "open_capture", lambda path: list(whole(path))[::6])
 
@@ -39,6 +40,7 @@ def test_the_shipped_capture_is_stable_and_the_page_says_so(tmp_path):
         "70 % of voxels",
         "voxels of 3, 5, 8 mm",
         "one grey level",
+        "another tenth of frames left out",
         "poses by 1e-4",
     ]
     for kind, ratios in medians.items():
@@ -55,8 +57,9 @@ def test_a_change_that_does_nothing_moves_nothing(monkeypatch):
     monkeypatch.setattr(study, "VOXEL_SIZES", (0.005, 0.005))
     monkeypatch.setattr(study, "_brighter", lambda frame: frame)
     record = study.measure_stability([CAPTURE])
-    for ratios in record["ratios"].values():
-        np.testing.assert_array_equal(ratios, 0.0)
+    for kind, ratios in record["ratios"].items():
+        if kind != "another tenth of frames left out":
+            np.testing.assert_array_equal(ratios, 0.0)
 
 
 def test_a_network_without_deviations_has_no_ratios():
