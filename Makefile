@@ -14,7 +14,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE LD_LIBRARY_PATH PYTHONPATH VIRTUAL_ENV
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH
 
 RUN_REQUIREMENTS := reflest_core/requirements.txt requirements/ros.txt requirements/build.txt \
-	requirements/demo.txt reflest_core/requirements-viewer.txt
+	requirements/demo.txt reflest_core/requirements-viewer.txt reflest_core/requirements-completion.txt
 TEST_REQUIREMENTS := reflest_core/requirements-synbrdf.txt reflest_core/requirements-cluster.txt \
 	reflest_core/requirements-training.txt reflest_core/requirements-asset.txt \
 	requirements/test.txt

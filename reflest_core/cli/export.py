@@ -9,18 +9,19 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from reflest_core.cli.parser import check_source
 from reflest_core.cli.scan_options import add_scan_options
 
 if TYPE_CHECKING:
     from reflest_core.estimation.pipeline import Pipeline
     from reflest_core.export.asset import Asset
 
-EPILOG = """example: reflest export scan.npz --format glb --out table.glb
-glb, gltf: glTF 2.0 with KHR_materials_specular. usd: .usda, .usdc or .usdz with UsdPreviewSurface
-and OpenPBR. sdf: a static model for gz-sim. obj, ply: the mesh. mitsuba: a scene with the plugin
-reflest_ward, which is the estimate exactly; mitsuba-stock: a scene that needs no plugin. hdr, exr:
-the light around the object. The surface needs the extra asset: pip install 'reflest-ros[asset]'.
-docs/export.md says how the values are mapped and how near that comes."""
+EPILOG = """glb, gltf: glTF 2.0 with KHR_materials_specular. usd: .usda, .usdc or .usdz with
+UsdPreviewSurface and OpenPBR. sdf: a static model for gz-sim. obj, ply: the mesh. mitsuba: a scene
+with the plugin reflest_ward, which is the estimate exactly; mitsuba-stock: a scene that needs no
+plugin. hdr, exr: the light around the object. The surface needs the extra asset:
+pip install 'reflest-ros[asset]'. docs/export.md says how the values are mapped and how near that
+comes."""
 CAPTURE_SUFFIXES = (".mcap", ".db3")
 
 
@@ -84,6 +85,7 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         ReflestError: A bad option, an unreadable source, or nothing to export.
     """
+    check_source(options.capture)
     from reflest_core.export.environment_file import LIGHT_FORMATS, export_environment
     from reflest_core.export.errors import ExportError
 

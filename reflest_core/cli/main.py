@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import argparse
 import importlib
 import os
 import re
@@ -13,14 +12,27 @@ from collections.abc import Sequence
 from decimal import Decimal
 
 from reflest_core import __version__
+from reflest_core.cli.parser import Parser
 from reflest_core.errors import ReflestError
 
-COMMANDS = ("replay", "view", "export", "synbrdf", "train", "evaluate")
+COMMANDS = ("replay", "view", "export", "synbrdf", "train", "evaluate", "completion")
 USER_ERROR = 2
 INTERRUPTED = 130  # as shells report SIGINT
 EXPONENT = re.compile(r"-(\d+\.?\d*|\.\d+)[eE][+-]?\d{1,2}")
-EXTRAS = {"torch": "training"}
-"""Libraries that whole commands are built on, and the extra that brings them."""
+EXTRAS = {
+    "torch": "training",
+    "tensorboard": "training",
+    "matplotlib": "training",
+    "skimage": "training",
+    "flip_evaluator": "training",
+    "mitsuba": "synbrdf",
+    "drjit": "synbrdf",
+    "pyoidn": "synbrdf",
+    "dask": "cluster",
+    "distributed": "cluster",
+    "shtab": "completion",
+}
+"""Libraries that commands are built on, and the extra that brings them."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -34,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     given = [_without_exponent(word) for word in (sys.argv[1:] if arguments is None else arguments)]
     try:
-        options = _parser(given).parse_args(given)
+        options = command_parser(given).parse_args(given)
         code: int = options.run(options)
         sys.stdout.flush()
         return code
@@ -42,11 +54,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"reflest: error: {error}", file=sys.stderr)
         return USER_ERROR
     except ModuleNotFoundError as error:
-        if error.name not in EXTRAS:
+        extra = EXTRAS.get((error.name or "").split(".")[0])
+        if extra is None:
             raise
         print(
-            f"reflest: error: this command needs {error.name}, which is not installed: install "
-            f"reflest's extra '{EXTRAS[error.name]}'",
+            f"reflest: error: this command needs {error.name}, which is not installed: "
+            f"pip install 'reflest-ros[{extra}]'",
             file=sys.stderr,
         )
         return USER_ERROR
@@ -63,13 +76,19 @@ def _without_exponent(word: str) -> str:
     return format(Decimal(word), "f") if EXPONENT.fullmatch(word) else word
 
 
-def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="reflest", description="Estimates how a scanned surface reflects light."
-    )
+def command_parser(given: Sequence[str]) -> Parser:
+    """Make the parser of a command line.
+
+    Args:
+        given: its words. A command that is named is imported alone, so that it starts without the
+            others' imports.
+
+    Returns:
+        The parser.
+    """
+    parser = Parser(prog="reflest", description="Estimates how a scanned surface reflects light.")
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
-    # A command that is named is imported alone, so that it starts without the others' imports.
     named = [name for name in COMMANDS if name in given[:1]]
     for name in named or COMMANDS:
         importlib.import_module(f"reflest_core.cli.{name}").add_parser(subparsers)

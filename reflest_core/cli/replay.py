@@ -8,6 +8,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from reflest_core.cli.parser import check_source
 from reflest_core.cli.scan_options import add_scan_options
 
 EPILOG = """A capture is an .mcap or .db3 file, a rosbag2 directory, a 7-Scenes folder or a TUM
@@ -58,6 +59,7 @@ def run(options: argparse.Namespace) -> int:
     Returns:
         The exit code.
     """
+    check_source(options.capture)
     from reflest_core.cli.replay_run import replay
 
     replay(options)

@@ -8,6 +8,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from reflest_core.cli.parser import check_source
 from reflest_core.cli.scan_options import add_scan_options
 
 if TYPE_CHECKING:
@@ -15,9 +16,8 @@ if TYPE_CHECKING:
     from reflest_core.estimation.pipeline import Pipeline
     from reflest_core.viewer.capture_source import CaptureSource
 
-EPILOG = """example: reflest view captures/glossy-red --roi-sphere 0 0 0.12 0.15
-Needs the extras viewer and asset: pip install 'reflest-ros[viewer,asset]'. The page is for this
-machine alone unless --host names another address; whoever can open it can scan and export."""
+EPILOG = """Needs the extra viewer: pip install 'reflest-ros[viewer]'. The page is for this machine
+alone unless --host names another address; whoever can open it can scan and export."""
 CAPTURE_SUFFIXES = (".mcap", ".db3")
 
 
@@ -66,6 +66,7 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         ReflestError: A bad option, an unreadable capture, a missing extra or a port in use.
     """
+    check_source(options.capture)
     from reflest_core.viewer.errors import library
 
     library("viser")

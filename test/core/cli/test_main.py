@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from reflest_core.cli.main import COMMANDS
 from reflest_core.estimation.settings import EstimationSettings
 
 CHECKOUT = Path(__file__).parents[3]
@@ -46,7 +47,7 @@ def test_help_starts_without_the_heavy_libraries():
         "print('HEAVY', {'torch', 'open3d', 'cv2', 'mitsuba', 'numba'} & set(sys.modules))"
     )
     assert "HEAVY set()" in done.stdout
-    for command in ("replay", "export", "synbrdf", "train", "evaluate"):
+    for command in COMMANDS:
         assert command in done.stdout
 
 
@@ -64,8 +65,8 @@ def test_training_without_pytorch_ends_with_the_extra_that_brings_it(arguments):
     )
     assert done.returncode == 2
     assert done.stderr == (
-        "reflest: error: this command needs torch, which is not installed: install reflest's "
-        "extra 'training'\n"
+        "reflest: error: this command needs torch, which is not installed: "
+        "pip install 'reflest-ros[training]'\n"
     )
 
 

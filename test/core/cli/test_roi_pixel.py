@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from reflest_core.capture.open_capture import open_capture
-from reflest_core.cli.main import _parser, main
+from reflest_core.cli.main import command_parser, main
 from reflest_core.cli.replay_options import replay_settings
 
 CAPTURE = Path(__file__).parents[3] / "captures" / "glossy-red"
 
 
 def settings(*words):
-    options = _parser(["replay"]).parse_args(["replay", str(CAPTURE), "--roi-pixel", *words])
+    options = command_parser(["replay"]).parse_args(["replay", str(CAPTURE), "--roi-pixel", *words])
     return replay_settings(options)
 
 

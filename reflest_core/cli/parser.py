@@ -1,0 +1,104 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""The parser of every command: an example in its help, and the nearest word for a wrong one."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NoReturn
+
+from reflest_core.errors import ReflestError
+
+EXAMPLES = {
+    "": "reflest replay captures/glossy-red --report report.html",
+    "replay": "reflest replay captures/glossy-red --json out.json --report report.html",
+    "view": "reflest view captures/glossy-red --roi-sphere 0 0 0.12 0.15",
+    "export": "reflest export scan.npz --format glb --out table.glb",
+    "completion": "reflest completion bash > ~/.local/share/bash-completion/completions/reflest",
+    "train": "reflest train synbrdf/train --variant grouplet-rmse1-ec --out trained",
+    "evaluate": "reflest evaluate --quick",
+    "synbrdf": "reflest synbrdf sequence --environments hdri --out scan",
+    "synbrdf generate": "reflest synbrdf generate --environments hdri --out synbrdf/train",
+    "synbrdf images": "reflest synbrdf images --environments hdri --scenes 0:2 --out images",
+    "synbrdf sequence": "reflest synbrdf sequence --environments hdri --out scan",
+    "synbrdf tabletop": "reflest synbrdf tabletop --environments hdri --out table",
+    "synbrdf relight": "reflest synbrdf relight synbrdf/train --out synbrdf/relit",
+    "synbrdf measure": "reflest synbrdf measure jpeg --environments hdri",
+    "synbrdf render": "reflest synbrdf render scene.xml --out picture.exr",
+    "synbrdf card": "reflest synbrdf card --environments hdri --data synbrdf/train --out card",
+}
+"""A line that can be typed for each command, by its words after ``reflest``."""
+NEAR = 0.6
+"""Similarity from which a word is suggested, as of :func:`difflib.get_close_matches`."""
+
+
+class SourceMissing(ReflestError):
+    """A capture or scan that a command was given is not there."""
+
+
+class Parser(argparse.ArgumentParser):
+    """Parses like its base, and helps further."""
+
+    def format_help(self) -> str:
+        """The help with the command's example.
+
+        Returns:
+            The text.
+        """
+        example = EXAMPLES.get(self.prog.removeprefix("reflest").strip())
+        text = super().format_help()
+        return text if example is None else f"{text}\nexample: {example}\n"
+
+    def error(self, message: str) -> NoReturn:
+        """End with the usage, what is wrong, and the nearest word that would be right.
+
+        Args:
+            message: what is wrong.
+        """
+        choice = re.match(r"argument (\S+): invalid choice: '(.*)' \(choose from (.*)\)", message)
+        unknown = re.match(r"unrecognized arguments: (--?[\w-]+)", message)
+        found: list[str] = []
+        if choice is not None:
+            found = _near(choice[2], re.findall(r"'([^']*)'", choice[3]))
+        elif unknown is not None:
+            found = _near(unknown[1], _options(self))
+        super().error(f"{message}; did you mean {found[0]}?" if found else message)
+
+
+def check_source(path: Path) -> None:
+    """Refuse a path that is not there, before anything slow is imported.
+
+    Args:
+        path: of a capture or a scan.
+
+    Raises:
+        SourceMissing: It does not exist; the sentence names the nearest one beside it.
+    """
+    if path.exists():
+        return
+    folder = path.parent
+    beside = [one.name for one in folder.iterdir()] if folder.is_dir() else []
+    found = _near(path.name, beside)
+    hint = f"; did you mean {folder / found[0]}?" if found else ""
+    raise SourceMissing(f"{path} does not exist{hint}")
+
+
+def _near(word: str, known: list[str]) -> list[str]:
+    return difflib.get_close_matches(word, known, n=1, cutoff=NEAR)
+
+
+def _options(parser: argparse.ArgumentParser) -> list[str]:
+    return [option for one in _parsers(parser) for option in one._option_string_actions]
+
+
+def _parsers(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:
+    """A parser and those of its commands."""
+    yield parser
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for below in action.choices.values():
+                yield from _parsers(below)
