@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Takes docs/images/viewer.jpg: the page of ``reflest view`` after a click.
 
-``python docs/figures/viewer_page.py BAG OUT.jpg X Y``, with a bag of ``reflest synbrdf tabletop`` and the
-click in pixels of the page. Needs the extra viewer, Playwright and Chromium.
+``python docs/figures/viewer_page.py BAG OUT.jpg X Y``, with a bag of ``reflest synbrdf tabletop``
+and the click in pixels of the page. Needs the extra viewer, Playwright and Chromium.
 """
 
 from __future__ import annotations

@@ -24,6 +24,7 @@ EXAMPLES = {
     "synbrdf": "reflest synbrdf sequence --environments hdri --out scan",
     "synbrdf generate": "reflest synbrdf generate --environments hdri --out synbrdf/train",
     "synbrdf images": "reflest synbrdf images --environments hdri --scenes 0:2 --out images",
+    "synbrdf xml": "reflest synbrdf xml --environments hdri --scenes 0:2 --out scenes",
     "synbrdf sequence": "reflest synbrdf sequence --environments hdri --out scan",
     "synbrdf tabletop": "reflest synbrdf tabletop --environments hdri --out table",
     "synbrdf relight": "reflest synbrdf relight synbrdf/train --out synbrdf/relit",

@@ -31,6 +31,9 @@ FOUND_S = 2.0
 """Seconds in which a service must be there."""
 
 
+SERVICES = {"set_region": SetRegion, "reset": Trigger, "save": SaveScan, "export": ExportEstimate}
+
+
 class LiveSource:
     """Shows what a node published last, and calls its services.
 
@@ -66,6 +69,11 @@ class LiveSource:
             node.create_subscription(kind, f"reflectance/{topic}", take, OUTPUT_QOS)
 
     @property
+    def services(self) -> tuple[str, ...]:
+        """Names of the services that are called."""
+        return tuple(f"{self._estimator}/{name}" for name in SERVICES)
+
+    @property
     def can_rescan(self) -> bool:
         """True: the node takes another region at any time."""
         return True
@@ -91,7 +99,7 @@ class LiveSource:
             centre=Point(x=x, y=y, z=z),
             size=Vector3(x=edge, y=edge, z=edge),
         )
-        return self._call(SetRegion, "set_region", request)
+        return self._call("set_region", request)
 
     def reset(self) -> Outcome:
         """Ask the node to begin a new scan.
@@ -99,7 +107,7 @@ class LiveSource:
         Raises:
             ViewerError: The node does not answer, or refuses.
         """
-        return self._call(Trigger, "reset", Trigger.Request())
+        return self._call("reset", Trigger.Request())
 
     def save(self) -> Outcome:
         """Ask the node to save its scan, below its ``files.root``.
@@ -107,7 +115,7 @@ class LiveSource:
         Raises:
             ViewerError: The node does not answer, or refuses.
         """
-        return self._call(SaveScan, "save", SaveScan.Request(path=_file_name(".reflest")))
+        return self._call("save", SaveScan.Request(path=_file_name(".reflest")))
 
     def export(self, format_name: str) -> Outcome:
         """Ask the node to export its surface, below its ``files.root``.
@@ -120,16 +128,16 @@ class LiveSource:
         """
         path = _file_name(FORMATS[format_name])
         request = ExportEstimate.Request(format=format_name, path=path)
-        return self._call(ExportEstimate, "export", request)
+        return self._call("export", request)
 
     def close(self) -> None:
         """Nothing: the node's owner ends it."""
 
-    def _call(self, kind: Any, name: str, request: Any) -> Outcome:
+    def _call(self, name: str, request: Any) -> Outcome:
         with self._lock:
             if name not in self._services:
                 self._services[name] = self._node.create_client(
-                    kind, f"{self._estimator}/{name}", callback_group=self._group
+                    SERVICES[name], f"{self._estimator}/{name}", callback_group=self._group
                 )
             client = self._services[name]
         if not client.wait_for_service(FOUND_S):

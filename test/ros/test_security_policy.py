@@ -9,23 +9,32 @@ import subprocess
 import sys
 from xml.etree import ElementTree
 
+import pytest
 from own_process import ROOT
 
 FILE = ROOT / "config" / "sros2_policy.xml"
+VIEWER_FILE = ROOT / "config" / "sros2_viewer_policy.xml"
 
 
-def test_the_policy_is_up_to_date(domain_id):
+@pytest.mark.parametrize(("words", "file"), [([], FILE), (["viewer"], VIEWER_FILE)])
+def test_the_policy_is_up_to_date(domain_id, words, file):
     done = subprocess.run(
-        [sys.executable, "-m", "reflest_ros.security_policy"],
+        [sys.executable, "-m", "reflest_ros.security_policy", *words],
         cwd=ROOT,
         env={**os.environ, "ROS_DOMAIN_ID": str(domain_id)},
         capture_output=True,
         text=True,
         check=True,
     )
-    assert done.stdout == FILE.read_text(), (
-        "run python -m reflest_ros.security_policy > config/sros2_policy.xml"
+    assert done.stdout == file.read_text(), (
+        f"run python -m reflest_ros.security_policy {' '.join(words)} > config/{file.name}"
     )
+
+
+def test_the_viewer_asks_only_for_what_the_node_answers():
+    answered = {one.text for one in ElementTree.parse(FILE).iterfind(".//services[@reply]/service")}
+    asked = ElementTree.parse(VIEWER_FILE).iterfind(".//services[@request]/service")
+    assert {one.text for one in asked} <= answered
 
 
 def test_every_service_of_the_node_is_in_the_policy(node, peer):
