@@ -14,15 +14,18 @@ from scipy.spatial import cKDTree
 from reflest_core.brdf import srgb
 from reflest_core.estimation.material_map import MaterialEstimate, MaterialMap
 from reflest_core.export.bake import interpolated
-from reflest_core.export.scanned_mesh import scanned_mesh
+from reflest_core.export.scanned_mesh import TriangleMesh, scanned_mesh
 from reflest_core.fusion.scan import Scan
 from reflest_core.rendering.voxel_colours import observed_colours
 from reflest_core.surface.coverage import RINGS, SECTORS, seen_cells
+from reflest_core.surface.observed_surface import ObservedSurface
 
 FACES = 120_000
 """Triangles that a laptop's browser turns smoothly."""
 SQUARE = 1.7
 """Edge of the square that stands for a voxel, in voxels: neighbours overlap on slopes too."""
+NORMALS_WIDTH, SAME_SIDE = 1.2, 0.5
+"""Of the Gaussian that normals are averaged by, in voxels; their least cosine to the mesh's."""
 NO_MATERIAL = 0
 """Id of what belongs to none."""
 
@@ -71,7 +74,7 @@ class ShownScan:
             ExportError: Nothing was scanned, or a package of the extra ``asset`` is missing.
         """
         mesh = scanned_mesh(scan, faces)
-        normals = mesh.vertex_normals
+        normals = _smooth_normals(mesh, found.surface, scan.fusion.voxel_size)
         _, near = cKDTree(found.surface.positions).query(mesh.vertices)
         return ShownScan(
             mesh.vertices,
@@ -206,3 +209,18 @@ class ShownScan:
             vertex: its index.
         """
         return self.found.material(int(self.material_ids[vertex]))
+
+
+def _smooth_normals(
+    mesh: TriangleMesh, surface: ObservedSurface, voxel_size: float
+) -> NDArray[np.float32]:
+    """(N, 3) between those of near voxels, which the estimator smoothed; at edges the mesh's."""
+    one, own = np.zeros(len(mesh.vertices), np.int32), mesh.vertex_normals
+    label = np.zeros(surface.voxel_count, np.int32)
+    mean = interpolated(
+        mesh.vertices, one, surface.positions, label, surface.normals, NORMALS_WIDTH * voxel_size
+    )
+    length = np.linalg.norm(mean, axis=1, keepdims=True)
+    smooth = mean / np.maximum(length, 1e-6)
+    is_alike = (length > 0.5) & (np.einsum("nc,nc->n", smooth, own)[:, None] > SAME_SIDE)
+    return np.where(is_alike, smooth, own).astype(np.float32)
