@@ -22,8 +22,10 @@ from reflest_core.viewer.server import ViewerServer
 
 WIDTH, HEIGHT, QUALITY = 1280, 760, 82
 ARGUMENTS = ("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
-DRAWN_S = 4.0
-"""Seconds in which a change is drawn."""
+DRAWN_S = 15.0
+"""Seconds in which a change is drawn, also without a graphics card."""
+PATIENCE = 90_000
+"""Milliseconds in which the page must answer."""
 
 
 def main() -> None:
@@ -43,12 +45,12 @@ def main() -> None:
         page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
         page.goto(server.url)
         page.locator(".mantine-Notification-closeButton").click()
-        time.sleep(2 * DRAWN_S)
-        page.mouse.click(float(x), float(y))
         time.sleep(DRAWN_S)
+        page.mouse.click(float(x), float(y))
+        page.locator(".reflest-values").wait_for(timeout=PATIENCE)
         page.keyboard.press("n")
-        page.keyboard.press("c")
-        time.sleep(2 * DRAWN_S)
+        page.get_by_text("a new direction for").first.wait_for(timeout=PATIENCE)
+        time.sleep(DRAWN_S)
         page.screenshot(path=out, type="jpeg", quality=QUALITY)
         browser.close()
     server.stop()
