@@ -45,7 +45,7 @@ ALBEDO, LOG_ALBEDO = (0.2, 0.3), (math.log(0.12), 3.0)
 """Prior means and standard deviations of ``rho_d``, and of ``ln rho_d`` beside it: measured
 materials are more often dark than bright. Several segments are of one material, so that the spread
 of the logarithms is greater than that of materials, 1.2."""
-MODEL_ERROR = 0.15
+MODEL_ERROR = 0.25
 """Standard deviation of ``ln rho_d`` that no number of observations removes."""
 DARKEST = 0.003
 """``rho_d`` below which the prior is no narrower."""
