@@ -55,6 +55,13 @@ def add_parser(products: Any) -> None:
         help="an object: its kind of procedural shape and its Ward parameters; once for each, "
         "default: 2 to 6 are drawn",
     )
+    parser.add_argument(
+        "--truth-points",
+        type=int,
+        metavar="N",
+        help="points spread over all surfaces; truth.ply holds those that are seen "
+        "(default: 200000)",
+    )
     parser.set_defaults(run=run)
 
 
@@ -65,13 +72,19 @@ def run(arguments: argparse.Namespace) -> int:
         arguments: all options of the command.
     """
     from reflest_core.synbrdf.tabletop.ground import Setting
-    from reflest_core.synbrdf.tabletop.tabletop_bag import TabletopRequest, write_tabletop
+    from reflest_core.synbrdf.tabletop.tabletop_bag import (
+        TRUTH_POINTS,
+        TabletopRequest,
+        write_tabletop,
+    )
     from reflest_core.synbrdf.tabletop.tabletop_scene import TabletopChoices, TabletopLight
 
     command = film_command(arguments, "tabletop")
     for name in ("setting", "light"):
         if getattr(arguments, name) is not None:
             command += [f"--{name}", getattr(arguments, name)]
+    if arguments.truth_points is not None:
+        command += ["--truth-points", str(arguments.truth_points)]
     if arguments.table_material is not None:
         command += ["--table-material", *map(str, arguments.table_material)]
     for words in arguments.object:
@@ -87,6 +100,7 @@ def run(arguments: argparse.Namespace) -> int:
         materials=materials_of(arguments),
         choices=choices,
         realism=realism_of(arguments),
+        truth_points=TRUTH_POINTS if arguments.truth_points is None else arguments.truth_points,
     )
     write_tabletop(arguments.out, request, shlex.join(command))
     return 0

@@ -42,7 +42,7 @@ from reflest_core.synbrdf.tabletop.tabletop_scene import (
 from reflest_core.synbrdf.tabletop.truth import material_cards, truth_points, write_truth
 from reflest_core.whole_file import whole_folder
 
-TRUTH_POINTS = 200_000
+TRUTH_POINTS, TRUTH_RANGE = 200_000, (1000, 10_000_000)
 _STREAM = 0x7AB1
 """Keeps a tabletop's random numbers apart from other scenes' of the same seed."""
 
@@ -63,6 +63,7 @@ class TabletopRequest:
         environments: Files of environment maps; None for procedural skies.
         meshes: Files of meshes; None for procedural shapes alone.
         realism: The faults of a real camera; None for a perfect one.
+        truth_points: Points spread over all surfaces; the truth holds those that are seen.
     """
 
     seed: int
@@ -76,9 +77,15 @@ class TabletopRequest:
     environments: Path | None = None
     meshes: Path | None = None
     realism: Realism | None = None
+    truth_points: int = TRUTH_POINTS
 
     def __post_init__(self) -> None:
         check_film(self.seed, self.frames, self.width, self.height, self.samples, self.rate)
+        least, most = TRUTH_RANGE
+        if not least <= self.truth_points <= most:
+            raise SequenceRefused(
+                f"--truth-points is {self.truth_points}, but must be {least} to {most}"
+            )
         if self.choices.ground is not None:
             check_material("--table-material", self.choices.ground)
             if self.choices.setting is Setting.CORNER:
@@ -134,7 +141,7 @@ def write_tabletop(out: Path, request: TabletopRequest, command: str) -> None:
         TABLETOP_DEPTH,
     )
     film = Film(Stage(rendered, scene.light.radiance, scene.poses, scene.room), settings)
-    points = seen_points(scene, rendered, film.camera, request.seed)
+    points = seen_points(scene, rendered, film.camera, request.seed, request.truth_points)
     with whole_folder(out) as unfinished:
         write_bag(unfinished, film.camera, tqdm(film.frames(), total=request.frames, unit="frame"))
         card = _card(request, scene, points, film.exposure, command)
@@ -155,7 +162,11 @@ def mitsuba_tabletop(scene: TabletopScene, seed: int) -> Any:
 
 
 def seen_points(
-    scene: TabletopScene, rendered: Any, camera: CameraIntrinsics, seed: int
+    scene: TabletopScene,
+    rendered: Any,
+    camera: CameraIntrinsics,
+    seed: int,
+    count: int = TRUTH_POINTS,
 ) -> NDArray[np.void]:
     """Points spread evenly over the surfaces that at least one frame sees, with their truth.
 
@@ -164,9 +175,10 @@ def seen_points(
         rendered: the Mitsuba scene.
         camera: intrinsics.
         seed: of the random numbers.
+        count: points over all surfaces, seen or not.
     """
     rng = np.random.default_rng([_STREAM, seed, 1])
-    positions, normals, faces = draw_surface_points(scene.painted.mesh, TRUTH_POINTS, rng)
+    positions, normals, faces = draw_surface_points(scene.painted.mesh, count, rng)
     views = np.zeros(len(positions), np.int64)
     for pose in scene.poses:
         within = np.flatnonzero(in_image(positions, camera, pose))

@@ -141,6 +141,7 @@ def test_chosen_objects_stand_on_a_chosen_table(tmp_path):
     out = tmp_path / "chosen"
     arguments = ["synbrdf", "tabletop", "--out", str(out), "--seed", "32", "--frames", "2"]
     arguments += ["--samples", "4", "--width", "64", "--height", "48", *CHOSEN]
+    arguments += ["--truth-points", "2000"]
     assert main(arguments) == 0
     truth = json.loads((out / "truth.json").read_text())
     assert truth["shapes"] == ["blob", "lathe"]
@@ -152,6 +153,7 @@ def test_chosen_objects_stand_on_a_chosen_table(tmp_path):
         ("object-2", "given", 0.06),
     ]
     assert " ".join(CHOSEN) in truth["command"]
+    assert 500 < len(read_cloud(out / "truth.ply")) <= 2000
 
 
 @pytest.mark.parametrize(
@@ -161,6 +163,7 @@ def test_chosen_objects_stand_on_a_chosen_table(tmp_path):
         (["--object", "blob", "x", "0", "0", "0", "0.1"], "a kind of shape and five numbers"),
         (["--object", "blob", "0.9", "0", "0", "0.2", "0.1"], "at most 1"),
         (["--table-material", "0", "0", "0", "0", "2"], "--table-material has alpha 2.0"),
+        (["--truth-points", "10"], "--truth-points is 10, but must be 1000 to 10000000"),
         ([*CHOSEN[:6], "--setting", "corner"], "--table-material needs a table"),
         (["--object", "blob", ".1", ".1", ".1", ".1", ".1"] * 40, "the table has no room for"),
     ],
