@@ -14,6 +14,8 @@ from reflest_core.light.equirectangular import nearest_radiance
 from reflest_core.rendering.environments import irradiance
 
 TOWARDS_CAMERA = np.array([0.0, -1.0, 0.0])
+FILLED = 0.95
+"""Diameter of the sphere over the picture's edge."""
 SAMPLES = 12
 """Strata on each side: 144 directions in each pixel."""
 
@@ -39,7 +41,8 @@ def render_environment(
     Returns:
         (size, size, 3) linear radiance.
     """
-    normals, on_sphere = _sphere_normals(size)
+    inside = on_sphere(size)
+    normals = _sphere_normals(size)
     frames = _local_frames(normals)
     omega_o = np.einsum("pij,j->pi", frames, TOWARDS_CAMERA)[:, None]
     shifts = np.random.default_rng(0).random((len(normals), 1, 2))
@@ -53,7 +56,7 @@ def render_environment(
         radiance[some] += (weights[..., None] * arriving).mean(axis=1)
 
     image = nearest_radiance(environment, _background_directions(size))
-    image[on_sphere] = radiance
+    image[inside] = radiance
     return image
 
 
@@ -70,14 +73,14 @@ def render_point_light(
     Returns:
         (size, size, 3) linear radiance.
     """
-    normals, on_sphere = _sphere_normals(size)
+    normals = _sphere_normals(size)
     frames = _local_frames(normals)
     towards_light = np.array(direction) / np.linalg.norm(direction)
     omega_i = np.einsum("pij,j->pi", frames, towards_light)
     omega_o = np.einsum("pij,j->pi", frames, TOWARDS_CAMERA)
     value = Ward(parameters.variant).evaluate(np.array(parameters.vector), omega_i, omega_o)
     image = np.zeros((size, size, 3))
-    image[on_sphere] = np.pi * value * np.clip(omega_i[:, 2:], 0, None)
+    image[on_sphere(size)] = np.pi * value * np.clip(omega_i[:, 2:], 0, None)
     return image
 
 
@@ -95,14 +98,31 @@ def tone_map(linear: Image, exposure: float = 1.0) -> NDArray[np.uint8]:
     return np.round(encoded * 255).astype(np.uint8)
 
 
-def _sphere_normals(size: int) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """World normals (P, 3) of the pixels on the sphere, and where they are (size, size)."""
-    across = (np.arange(size) + 0.5) * 2 / size - 1
+def on_sphere(size: int) -> NDArray[np.bool_]:
+    """Which pixels show the sphere.
+
+    Args:
+        size: Pixels along an edge.
+
+    Returns:
+        (size, size).
+    """
+    x, down = _places(size)
+    return np.asarray(x**2 + down**2 < 1.0)
+
+
+def _places(size: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(size, size) each, right and down from the middle, in radii of the sphere."""
+    across = ((np.arange(size) + 0.5) * 2 / size - 1) / FILLED
     x, down = np.meshgrid(across, across)
-    squared = (x**2 + down**2) / 0.95**2
-    on_sphere = squared < 1
-    towards = np.sqrt(1 - squared[on_sphere])
-    return np.stack([x[on_sphere] / 0.95, -towards, -down[on_sphere] / 0.95], axis=-1), on_sphere
+    return x, down
+
+
+def _sphere_normals(size: int) -> NDArray[np.float64]:
+    """World normals (P, 3) of the pixels on the sphere."""
+    inside = on_sphere(size)
+    x, down = (place[inside] for place in _places(size))
+    return np.stack([x, -np.sqrt(1 - x**2 - down**2), -down], axis=-1)
 
 
 def _background_directions(size: int) -> NDArray[np.float64]:

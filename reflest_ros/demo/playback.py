@@ -10,20 +10,28 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import rclpy
+from builtin_interfaces.msg import Time
+from numpy.typing import NDArray
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from sensor_msgs.msg import PointCloud2
 
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 from reflest_ros.inputs.qos import OUTPUT_QOS
 from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
+from reflest_ros.msg import MaterialMap
 from reflest_ros.outputs.estimate_message import estimate_from_message
+from reflest_ros.outputs.material_message import POINT
+from reflest_ros.outputs.material_output import TOPIC
 from reflest_ros.settings import NODE_NAME
-from reflest_ros.srv import Estimate
+from reflest_ros.srv import Estimate, SaveScan
 
 PROFILE = Path(__file__).resolve().parents[2] / "config" / "fastdds_large_messages.xml"
 ESTIMATOR = [
@@ -37,6 +45,8 @@ ESTIMATOR = [
     "-p",
     "input.queue_size:=2000",
 ]
+SCAN = "scan.npz"
+"""What the node saves, in the demo's output folder."""
 START_LIMIT = 240.0
 """Seconds; the first start after installation compiles."""
 ESTIMATE_LIMIT = 60.0
@@ -46,8 +56,30 @@ class DemoError(ReflestError):
     """A process of the demo ended early or did not answer."""
 
 
+@dataclass(frozen=True)
+class Played:
+    """What the node published of a whole capture.
+
+    Attributes:
+        estimate: The BRDF of the middle of the view.
+        materials: Estimates of all materials, by id.
+        voxels: (N,) the material cloud's records.
+        scan: File that the node saved the scan to.
+    """
+
+    estimate: BrdfEstimate
+    materials: dict[int, BrdfEstimate]
+    voxels: NDArray[np.void]
+    scan: Path
+
+
 class EstimateListener(Node):
-    """Prints every estimate as it is published."""
+    """Prints what is published at keyframes, and keeps the latest materials.
+
+    Attributes:
+        materials: The latest map.
+        cloud: The latest cloud of materials.
+    """
 
     def __init__(self, context: Context) -> None:
         """Subscribe.
@@ -59,7 +91,33 @@ class EstimateListener(Node):
         self.create_subscription(
             BrdfEstimateMessage, "/reflectance/brdf", self._on_estimate, OUTPUT_QOS
         )
+        self.materials, self.cloud = MaterialMap(), PointCloud2()
+        self.create_subscription(MaterialMap, f"/{TOPIC}", self._on_materials, OUTPUT_QOS)
+        self.create_subscription(
+            PointCloud2, "/reflectance/material_cloud", self._on_cloud, OUTPUT_QOS
+        )
         self.estimate_now = self.create_client(Estimate, f"/{NODE_NAME}/estimate")
+        self.save_scan = self.create_client(SaveScan, f"/{NODE_NAME}/save")
+
+    def has_materials_of(self, stamp: Time) -> bool:
+        """Whether map and cloud are those of a keyframe.
+
+        Args:
+            stamp: of the keyframe's image.
+        """
+        return bool(self.materials.header.stamp == stamp == self.cloud.header.stamp)
+
+    def _on_cloud(self, message: PointCloud2) -> None:
+        self.cloud = message
+
+    def _on_materials(self, message: MaterialMap) -> None:
+        self.materials = message
+        if message.materials:
+            print(
+                f"  /reflectance/materials  {len(message.materials)} materials on "
+                f"{message.voxel_count:,} voxels",
+                flush=True,
+            )
 
     def _on_estimate(self, message: BrdfEstimateMessage) -> None:
         estimate = estimate_from_message(message)
@@ -74,14 +132,17 @@ class EstimateListener(Node):
         )
 
 
-def estimate_over_dds(bag: Path) -> BrdfEstimate:
-    """Play ``bag`` to an estimator process; its estimate from the whole scan.
-
-    Raises :class:`DemoError` where a process fails or takes too long.
+def play_over_dds(bag: Path, output: Path) -> Played:
+    """Play ``bag`` to an estimator process; what it publishes of the whole scan.
 
     Args:
         bag: the recording.
+        output: folder that the node may write to.
+
+    Raises:
+        DemoError: A process fails or takes too long.
     """
+    output.mkdir(parents=True, exist_ok=True)
     use_private_domain()
     context = Context()
     rclpy.init(context=context)
@@ -89,7 +150,8 @@ def estimate_over_dds(bag: Path) -> BrdfEstimate:
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(listener)
     try:
-        with running(ESTIMATOR) as estimator:
+        files = ["-p", f"files.root:={output.resolve()}"]
+        with running([*ESTIMATOR, *files]) as estimator:
             _wait_for_start(listener, executor, estimator)
             with running(["-m", "reflest_ros.bag_player", str(bag)]) as player:
                 while player.poll() is None:
@@ -97,9 +159,14 @@ def estimate_over_dds(bag: Path) -> BrdfEstimate:
                 if player.returncode != 0:
                     raise DemoError(f"the bag player ended with exit code {player.returncode}")
             estimate = _final_estimate(listener, executor, estimator)
+            _save(listener, executor)
         if estimator.returncode != 0:
             raise DemoError(f"the estimator ended with exit code {estimator.returncode}")
-        return estimate
+        materials = {
+            int(one.id): estimate_from_message(one.estimate) for one in listener.materials.materials
+        }
+        voxels = np.frombuffer(listener.cloud.data, POINT)
+        return Played(estimate, materials, voxels, output / SCAN)
     finally:
         listener.destroy_node()
         executor.shutdown()
@@ -160,4 +227,18 @@ def _final_estimate(
         raise DemoError(f"the estimator (exit code {estimator.poll()}) did not answer in time")
     if not response.success:
         raise DemoError(f"there is no estimate: {response.message}")
+    deadline = listener.get_clock().now().nanoseconds + ESTIMATE_LIMIT * 1e9
+    while not listener.has_materials_of(response.estimate.header.stamp):
+        executor.spin_once(timeout_sec=0.1)
+        if listener.get_clock().now().nanoseconds > deadline:
+            raise DemoError(f"no materials came within {ESTIMATE_LIMIT:g} s of the last estimate")
     return estimate_from_message(response.estimate)
+
+
+def _save(listener: EstimateListener, executor: SingleThreadedExecutor) -> None:
+    answer = listener.save_scan.call_async(SaveScan.Request(path=SCAN))
+    executor.spin_until_future_complete(answer, ESTIMATE_LIMIT)
+    response = answer.result()
+    if response is None or not response.success:
+        reason = "no answer in time" if response is None else response.message
+        raise DemoError(f"the scan was not saved: {reason}")

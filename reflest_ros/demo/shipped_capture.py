@@ -18,14 +18,20 @@ from reflest_core.capture.open_capture import open_capture
 from reflest_core.capture.refusal import CaptureError
 
 CAPTURES = Path(__file__).resolve().parents[2] / "captures"
-TRUTH = "truth.json"
+TRUTH, SHIPPED = "truth.json", "table"
 CLOSE_UP = 1.5
 """Size of the close-up over that of the object."""
 
 
 @dataclass(frozen=True)
 class ShippedCapture:
-    """``truth``: field names of ``BrdfEstimate`` to true values."""
+    """A bag with its truth beside it.
+
+    Attributes:
+        bag: Folder of the recording.
+        truth: Content of ``truth.json``: one BRDF in the field names of ``BrdfEstimate``, or
+            ``materials``.
+    """
 
     bag: Path
     truth: dict[str, Any]
@@ -36,16 +42,37 @@ class ShippedCapture:
         return self.bag.name
 
     @property
+    def has_many_materials(self) -> bool:
+        """Whether the truth is of a scene of several materials, not of one object."""
+        return "materials" in self.truth
+
+    def true_points(self) -> NDArray[np.void]:
+        """Points of the true surface with their materials, for :func:`.match_materials`.
+
+        Raises:
+            CaptureError: The file cannot be read.
+        """
+        from reflest_core.synbrdf.tabletop.truth import CLOUD, read_cloud
+
+        try:
+            return read_cloud(self.bag / CLOUD)
+        except (OSError, ValueError, IndexError) as error:
+            raise CaptureError(f"{self.bag / CLOUD} cannot be read ({error})") from error
+
+    def middle_frame(self) -> Frame:
+        """The frame in the middle of the capture."""
+        capture = open_capture(self.bag)
+        middle = (capture.frame_total or 1) // 2
+        return next(frame for index, frame in enumerate(capture) if index >= middle)
+
+    @property
     def true_ward(self) -> WardParameters:
         """The material that was rendered."""
         return ward_parameters(self.truth)
 
     def close_up(self) -> NDArray[np.uint8]:
         """8-bit sRGB image from the middle of the capture, cut to what has depth."""
-        capture = open_capture(self.bag)
-        middle = (capture.frame_total or 1) // 2
-        frame = next(frame for index, frame in enumerate(capture) if index >= middle)
-        return cut_to_object(frame)
+        return cut_to_object(self.middle_frame())
 
 
 def cut_to_object(frame: Frame) -> NDArray[np.uint8]:
@@ -66,19 +93,22 @@ def cut_to_object(frame: Frame) -> NDArray[np.uint8]:
 
 
 def find_capture(bag: Path | None) -> ShippedCapture:
-    """The capture ``bag``, else the first one that is shipped; :class:`CaptureError` if none.
+    """The capture ``bag``, else the table that is shipped.
 
     Args:
         bag: the recording; None takes the shipped one.
+
+    Raises:
+        CaptureError: It has no readable truth.
     """
-    found = [bag] if bag else sorted(path.parent for path in CAPTURES.glob(f"[!.]*/{TRUTH}"))
-    if not found:
-        raise CaptureError(f"{CAPTURES} holds no capture with a {TRUTH}: name one with --capture")
+    chosen = bag or CAPTURES / SHIPPED
     try:
-        truth = json.loads((found[0] / TRUTH).read_text())
+        truth = json.loads((chosen / TRUTH).read_text())
     except (OSError, ValueError) as error:
-        raise CaptureError(f"{found[0] / TRUTH} cannot be read ({error})") from error
-    return ShippedCapture(found[0], truth)
+        raise CaptureError(
+            f"{chosen / TRUTH} cannot be read ({error}): name a capture with a truth by --capture"
+        ) from error
+    return ShippedCapture(chosen, truth)
 
 
 def ward_parameters(values: dict[str, Any]) -> WardParameters:

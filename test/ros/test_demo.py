@@ -10,6 +10,7 @@ import sys
 
 import cv2
 import pytest
+import trimesh
 from own_process import ROOT
 from sphere_messages import write_sphere_bag
 from view_input import estimate as made_estimate
@@ -35,6 +36,20 @@ def run_demo(*arguments):
         text=True,
         timeout=280,
     )
+
+
+def test_the_demo_shows_every_material_of_the_shipped_table(tmp_path):
+    result = run_demo("--output", tmp_path)
+    assert result.returncode == 0, result.stdout + result.stderr
+    truth = json.loads((ROOT / "captures" / "table" / "truth.json").read_text())
+    rows = [words for words in map(str.split, result.stdout.splitlines()) if "truth" in words[1:2]]
+    assert [words[0] for words in rows] == [one["part"] for one in truth["materials"]]
+    assert result.stdout.count("  id ") >= len(rows)
+    assert cv2.imread(str(tmp_path / "reflest-demo.png")).shape == (850, 1600, 3)
+    asset = trimesh.load(tmp_path / "table.glb")
+    # The table is 0.6 to 0.9 m wide, and the objects stand on it.
+    assert 0.5 < max(asset.extents) < 1.2
+    assert (tmp_path / "table.html").read_bytes().startswith(b"<!DOCTYPE html>")
 
 
 @pytest.fixture
