@@ -14,10 +14,11 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE LD_LIBRARY_PATH PYTHONPATH VIRTUAL_ENV
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH
 
 RUN_REQUIREMENTS := reflest_core/requirements.txt requirements/ros.txt requirements/build.txt \
-	requirements/demo.txt reflest_core/requirements-viewer.txt
+	requirements/demo.txt reflest_core/requirements-viewer.txt \
+	reflest_core/requirements-asset.txt
 TEST_REQUIREMENTS := reflest_core/requirements-synbrdf.txt reflest_core/requirements-cluster.txt \
-	reflest_core/requirements-training.txt reflest_core/requirements-asset.txt \
-	reflest_core/requirements-completion.txt requirements/test.txt
+	reflest_core/requirements-training.txt reflest_core/requirements-completion.txt \
+	requirements/test.txt
 # Every package with the hashes of its files. PyTorch is pinned by its version alone: its builds have
 # different files, of which TORCH_INDEX chooses.
 LOCK := requirements/lock
