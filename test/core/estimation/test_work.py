@@ -9,6 +9,7 @@ import pytest
 
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
+from reflest_core.inference.evidence import SAMPLED
 from reflest_core.models import linear_algebra
 from reflest_core.models.grouplet import live as live_grouplet
 from reflest_core.models.registry import models, network_of_model
@@ -67,8 +68,8 @@ def test_a_tenfold_scan_costs_no_more(model, work, tmp_path):
     for kind, cost in large.items():
         # Of more voxels better observed ones are chosen, whose observations repeat less often.
         assert cost <= 1.2 * small[kind], kind
-    # lightnet's physics looks at twice as many voxels of its own choice.
-    chosen = (3 if network_of_model(model).sees_light else 1) * models()[model].voxels
+    # lightnet's physics fits gloss to voxels of its own choice.
+    chosen = models()[model].voxels + (SAMPLED if network_of_model(model).sees_light else 0)
     assert large["distances"] <= MOST_CANDIDATES * chosen
 
 
