@@ -242,7 +242,9 @@ class Estimator:
     ) -> BrdfEstimate:
         stamp_ns, frame_id, light_problem = header
         ward, stddev = physical_ward(prediction.ward), prediction.stddev
+        error = math.nan
         if isinstance(gloss, SceneEstimate):
+            error = gloss.photometric_error
             ward, stddev, gloss = gloss.ward, gloss.stddev, gloss.gloss
         elif gloss is not None and stddev is not None and not prediction.has_posterior:
             ward, stddev = with_posterior(ward, stddev, gloss)
@@ -261,6 +263,7 @@ class Estimator:
             "" if gloss is None else roughness_problem(ward, stddev, gloss),
             light_problem,
             mixture,
+            error,
         )
         found = list(warnings_of(evidence, self.settings))
         return BrdfEstimate(

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -14,6 +15,8 @@ from reflest_core.surface.colour_problems import NO_PROBLEMS, ColourProblems
 
 EstimateWarning = tuple[EstimateStatus, str]
 """A status and its sentence."""
+MOST_ERROR = 1.0
+"""Photometric error that no estimate may have without a warning."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +32,8 @@ class Evidence:
         gloss_problem: why ``alpha`` cannot be identified, as a clause, or "".
         light_problem: why light known before was not used, or "".
         mixture: why the surface is no single material, as a clause, or "".
+        photometric_error: of the estimate rendered in the published light, over the mean of what
+            was observed; NaN where it was not rendered.
     """
 
     voxels: int
@@ -39,6 +44,7 @@ class Evidence:
     gloss_problem: str = ""
     light_problem: str = ""
     mixture: str = ""
+    photometric_error: float = math.nan
 
 
 def warnings_of(evidence: Evidence, settings: EstimationSettings) -> Iterator[EstimateWarning]:
@@ -81,6 +87,13 @@ def warnings_of(evidence: Evidence, settings: EstimationSettings) -> Iterator[Es
         yield (
             EstimateStatus.UNCERTAIN_GLOSS,
             f"alpha cannot be determined: {evidence.gloss_problem}",
+        )
+    elif evidence.photometric_error > MOST_ERROR:
+        # Every voxel's albedo is fitted to its colours: what is left changes with the view.
+        yield (
+            EstimateStatus.UNCERTAIN_GLOSS,
+            f"rendered, it misses what was observed by {min(evidence.photometric_error, 99):.0%}: "
+            "look round the room, and scan from more sides",
         )
 
 

@@ -61,6 +61,11 @@ LONGEST_TEXT = 512
             EstimateStatus.UNCERTAIN_GLOSS,
             "determined: it is dark$",
         ),
+        (
+            {"photometric_error": 1.41},
+            EstimateStatus.UNCERTAIN_GLOSS,
+            "^rendered, it misses what was observed by 141%: look round",
+        ),
     ],
 )
 def test_each_threshold_is_a_warning_with_what_to_do(changed, status, sentence):
