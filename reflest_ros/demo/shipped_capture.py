@@ -16,9 +16,10 @@ from reflest_core.brdf.parameters import WardParameters, WardVariant
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.capture.refusal import CaptureError
+from reflest_core.ply_file import read_vertices
 
 CAPTURES = Path(__file__).resolve().parents[2] / "captures"
-TRUTH, SHIPPED = "truth.json", "table"
+TRUTH, POINTS, SHIPPED = "truth.json", "truth.ply", "table"
 CLOSE_UP = 1.5
 """Size of the close-up over that of the object."""
 
@@ -52,12 +53,10 @@ class ShippedCapture:
         Raises:
             CaptureError: The file cannot be read.
         """
-        from reflest_core.synbrdf.tabletop.truth import CLOUD, read_cloud
-
         try:
-            return read_cloud(self.bag / CLOUD)
-        except (OSError, ValueError, IndexError) as error:
-            raise CaptureError(f"{self.bag / CLOUD} cannot be read ({error})") from error
+            return read_vertices(self.bag / POINTS)
+        except (OSError, ValueError) as error:
+            raise CaptureError(f"{self.bag / POINTS} cannot be read ({error})") from error
 
     def middle_frame(self) -> Frame:
         """The frame in the middle of the capture."""
