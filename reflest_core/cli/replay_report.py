@@ -15,7 +15,7 @@ import numpy as np
 from reflest_core.brdf.srgb import encode
 from reflest_core.capture.capture import Capture
 from reflest_core.capture.frame import Frame
-from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
+from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate
 from reflest_core.estimation.material_map import MaterialMap
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.fusion.poses.check import PoseCheck, PoseReport
@@ -55,14 +55,11 @@ def estimate_line(estimate: BrdfEstimate) -> str:
         estimate: of a keyframe, or of the whole scan.
     """
     red, green, blue = estimate.rho_d
-    status = ""
-    if estimate.status is not EstimateStatus.OK:
-        status = f", {estimate.status.name} ({estimate.status_text})"
     return (
         f"{estimate.stamp_ns / 1e9:.3f} s  rho_d {red:.3f} {green:.3f} {blue:.3f}  "
         f"rho_s {estimate.rho_s:.3f}  alpha {estimate.alpha:.3f}  "
-        f"[{estimate.voxel_count} voxels, {estimate.observation_count} observations, "
-        f"{estimate.view_count} views, coverage {estimate.coverage:.0%}{status}]"
+        f"[{estimate.voxel_count} voxels, {estimate.view_count} views, "
+        f"coverage {estimate.coverage:.0%}, {estimate.status.name}]"
     )
 
 
@@ -83,7 +80,18 @@ def final_lines(estimate: BrdfEstimate) -> list[str]:
         f"  Lab    {_with_deviation(estimate.lab, estimate.lab_stddev, 2)}  (D65, 2 degrees)",
         f"  c, d   {_with_deviation(gloss, gloss_stddev, 4)}  (contrast and distinctness of gloss)",
         f"  model  {estimate.model_id}, Ward variant {estimate.ward_variant}",
+        f"  from   {estimate.observation_count} observations",
+        *(f"  {estimate.status.name}: {one}" for one in sentences_of(estimate)),
     ]
+
+
+def sentences_of(estimate: BrdfEstimate) -> list[str]:
+    """Return the warnings of an estimate.
+
+    Args:
+        estimate: of a keyframe, or of the whole scan.
+    """
+    return [sentence for sentence in estimate.status_text.split("; ") if sentence]
 
 
 def material_lines(materials: MaterialMap, is_terminal: bool = False) -> list[str]:
@@ -95,7 +103,7 @@ def material_lines(materials: MaterialMap, is_terminal: bool = False) -> list[st
 
     Returns:
         A line of titles, then one for each material: id, area, Ward values with one standard
-        deviation, error of the rendered colours, status.
+        deviation, error of the rendered colours, status; then each warning once.
     """
     titles = ("  id", f"{'cm2':>8}", f"{'rho_d, linear sRGB':36}", f"{'rho_s':13}", f"{'alpha':13}")
     lines = ["  ".join((*titles, "error", "status"))]
@@ -112,6 +120,8 @@ def material_lines(materials: MaterialMap, is_terminal: bool = False) -> list[st
         ]
         patch = _colour_patch(found.rho_d) if is_terminal else ""
         lines.append("  ".join(columns) + patch)
+    for sentence, ids in materials.warnings().items():
+        lines.append(f"  id {', '.join(map(str, ids))}: {sentence}")
     return lines
 
 

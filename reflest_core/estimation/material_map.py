@@ -99,6 +99,14 @@ class MaterialMap:
         """
         return next((found for found in self.materials if found.id == material_id), None)
 
+    def warnings(self) -> dict[str, list[int]]:
+        """Return each sentence of the estimates' status once, with the ids that it is about."""
+        about: dict[str, list[int]] = {}
+        for found in self.materials:
+            for sentence in filter(None, found.estimate.status_text.split("; ")):
+                about.setdefault(sentence, []).append(found.id)
+        return about
+
     def of_voxels(self, name: str) -> NDArray[np.float32]:
         """Spread a number of the materials' estimates over the voxels.
 

@@ -65,7 +65,7 @@ def warnings_of(evidence: Evidence, settings: EstimationSettings) -> Iterator[Es
     if evidence.mixture:
         yield (
             EstimateStatus.MIXED_MATERIALS,
-            f"this is more than one material: {evidence.mixture}; use the estimates of each "
+            f"this is more than one material ({evidence.mixture}): use the estimates of each "
             "material, or narrow the region of interest",
         )
     if evidence.coverage < settings.low_coverage:

@@ -20,7 +20,7 @@ from reflest_core import __version__
 from reflest_core.capture.frame import Frame
 from reflest_core.environment.environment_map import from_octahedral, nothing_seen
 from reflest_core.environment.picture import tone_mapped
-from reflest_core.estimation.material_map import MaterialEstimate
+from reflest_core.estimation.material_map import MaterialEstimate, MaterialMap
 from reflest_core.light.octahedral import octahedral_solid_angles
 from reflest_core.rendering.material_labels import material_colour
 from reflest_core.surface.upright import rotation_to_z
@@ -76,7 +76,7 @@ def report(
         title=f"Materials of {html.escape(name)}",
         summary=html.escape(summary),
         photograph=_jpeg_uri(photograph.rgb),
-        warnings=_warnings(materials, warnings),
+        warnings=_warnings(scan.found, warnings),
         materials="".join(
             _row(one, scan.light if number < MOST_SWATCHES else None)
             for number, one in enumerate(materials)
@@ -106,18 +106,15 @@ def _jpeg_uri(image: NDArray[np.uint8]) -> str:
     return f"data:image/jpeg;base64,{base64.b64encode(content.tobytes()).decode()}"
 
 
-def _warnings(materials: Sequence[MaterialEstimate], others: Sequence[str]) -> str:
+def _warnings(found: MaterialMap, others: Sequence[str]) -> str:
     """Each sentence once, with the materials that it is about."""
-    about: dict[str, list[int]] = {sentence: [] for sentence in others}
-    for one in materials:
-        for sentence in filter(None, one.estimate.status_text.split("; ")):
-            about.setdefault(sentence, []).append(one.id)
+    about = {**{sentence: [] for sentence in others}, **found.warnings()}
     if not about:
         return "<p>None.</p>"
     lines = []
     for sentence, ids in about.items():
         which = ""
-        if ids and len(materials) > 1:
+        if ids and len(found.materials) > 1:
             plural = "s" if len(ids) > 1 else ""
             which = f"<b>Material{plural} {', '.join(map(str, ids))}:</b> "
         lines.append(f"<li>{which}{html.escape(sentence)}</li>")

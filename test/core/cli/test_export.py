@@ -34,7 +34,7 @@ def test_a_users_mistake_is_one_line(tmp_path, capsys):
         ["export", nothing, "--sphere", "--format", "usd", "--out", str(tmp_path / "a.usda")]
     )
     assert code == 2
-    assert capsys.readouterr().err.startswith(f"reflest: error: cannot read {nothing}")
+    assert capsys.readouterr().err.startswith(f"reflest: error: {nothing} does not exist")
 
 
 def test_a_saved_scan_becomes_an_environment_that_lights_the_material(
@@ -60,6 +60,7 @@ def test_a_saved_scan_becomes_an_environment_that_lights_the_material(
 
 def test_the_light_is_not_lit(tmp_path, capsys):
     light = ["--out", str(tmp_path / "a.hdr"), "--environment", str(tmp_path / "b.hdr")]
+    (tmp_path / "scan").touch()
     assert main(["export", str(tmp_path / "scan"), "--format", "hdr", *light]) == 2
     assert "hdr is the light itself" in capsys.readouterr().err
 

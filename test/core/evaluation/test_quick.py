@@ -50,7 +50,7 @@ def test_the_row_needs_no_pytorch():
 def test_training_without_pytorch_says_what_to_install(tmp_path):
     code, output = without_torch("train", "data", "--all", "--out", str(tmp_path))
     assert code == 2
-    assert "needs torch, which is not installed: install reflest's extra 'training'" in output
+    assert "needs torch, which is not installed: pip install 'reflest-ros[training]'" in output
 
 
 def test_the_quick_set_repeats_estimates_bit_for_bit(data, runs, tmp_path):
