@@ -69,7 +69,8 @@ class Model:
         level = pyramid.levels[0]
         behind = level.reshape(-1, level.shape[-1])[octahedral_texels(upright, len(level)), :3]
         # The map's texels are some degrees wide: their edges would show.
-        smooth = cv2.GaussianBlur(behind.reshape(height, width, 3), (0, 0), SMOOTH * width)
+        coarse = behind.reshape(height, width, 3)
+        smooth = np.asarray(cv2.GaussianBlur(coarse, (0, 0), SMOOTH * width), np.float32)
         return mesh_image(
             self.shown.vertices,
             self.shown.faces,
