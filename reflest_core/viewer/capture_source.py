@@ -35,6 +35,9 @@ from reflest_core.viewer.source import (
 OpenCapture = Callable[[Pipeline], Capture]
 """Opens the capture from its beginning for a scanner."""
 
+GRACE = 5.0
+"""Seconds that a scan gets to end."""
+
 
 class CaptureSource:
     """Scans a capture from its beginning, again for each region; or shows a saved scan.
@@ -125,10 +128,13 @@ class CaptureSource:
         return exported_files(scanner, scan.found, self._stem, format_name)
 
     def close(self) -> None:
-        """End the scan."""
+        """End the scan; what takes longer, such as a first compilation, ends with the process."""
+        self._end(GRACE)
+
+    def _end(self, patience: float | None) -> None:
         self._stopping.set()
         if self._thread.is_alive():
-            self._thread.join()
+            self._thread.join(patience)
 
     def _check_capture(self, wish: str) -> None:
         if self._open is None:
@@ -141,7 +147,7 @@ class CaptureSource:
 
     def _restart(self, settings: ReflestSettings) -> None:
         with self._lock:
-            self.close()
+            self._end(None)
             self._begin(settings)
 
     def _begin(self, settings: ReflestSettings) -> None:

@@ -54,7 +54,9 @@ def test_a_browser_draws_the_model_and_finds_the_material_under_a_click(page):
         inside = picture[int(y) - 100 : int(y) + 100, int(x) - 100 : int(x) + 100]
         assert (inside != BACKGROUND).any(axis=-1).mean() > 0.3
         for offset, material in ((-0.2, RED_ID), (0.2, STRIPED_ID)):
-            tab.mouse.click(x, y + offset * canvas["height"])
+            # A click may scroll the page to the material's row; this one waits until it rests.
+            place = {"x": canvas["width"] / 2, "y": (0.5 + offset) * canvas["height"]}
+            tab.locator("#model").click(position=place)
             assert tab.locator("tr.chosen").get_attribute("data-material") == str(material)
         red = scanned_ball()[1].material(RED_ID).estimate
         row = tab.locator(f"tr[data-material='{RED_ID}']").inner_text()
