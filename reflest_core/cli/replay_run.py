@@ -26,10 +26,8 @@ from reflest_core.cli.replay_report import (
 from reflest_core.estimation.estimator import NoEstimate
 from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.export.environment_file import export_environment, light_format
+from reflest_core.export.exporter import EVERY_VOXEL
 from reflest_core.export.material_ply import export_materials
-
-EVERY_VOXEL = 1 << 24
-"""More voxels than a scan's memory budget holds."""
 
 
 def replay(options: argparse.Namespace) -> None:

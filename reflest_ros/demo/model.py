@@ -48,19 +48,18 @@ class Model:
         self.shown = ShownScan.of(self._pipeline.scan, self.found, up)
         self._shading = Shading(self.shown)
 
-    def seen_from(self, frame: Frame, width: int, light: str | None) -> NDArray[np.uint8]:
+    def seen_from(self, frame: Frame, width: int, light: Light) -> NDArray[np.uint8]:
         """Render the model from a frame's camera.
 
         Args:
             frame: of the capture.
             width: pixels of the image; its height follows the frame's proportions.
-            light: "studio"; None for the estimated light.
+            light: what it stands in.
 
         Returns:
             (H, width, 3) 8-bit sRGB.
         """
-        chosen = Light.ESTIMATED if light is None else Light.STUDIO
-        pyramid = self._shading.light(chosen)
+        pyramid = self._shading.light(light)
         eye = frame.T_world_camera[:3, 3]
         radiance = self._shading.diffuse(pyramid) + self._shading.mirrored(pyramid, eye)
         height = round(width * frame.rgb.shape[0] / frame.rgb.shape[1])

@@ -15,6 +15,7 @@ from reflest_core.brdf.parameters import WardParameters
 from reflest_core.capture.frame import Frame
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.rendering.standing_sphere import standing_sphere
+from reflest_core.viewer.lights import Light
 from reflest_ros.demo.matched_materials import MatchedMaterial
 from reflest_ros.demo.model import Model
 from reflest_ros.demo.shipped_capture import ward_parameters
@@ -46,8 +47,10 @@ def draw_table(path: Path, frame: Frame, model: Model, matched: list[MatchedMate
     height = width * frame.rgb.shape[0] / frame.rgb.shape[1]
     pictures = {
         "a frame of the scan": frame.rgb,
-        "its model: materials in the estimated light": model.seen_from(frame, IMAGE_WIDTH, None),
-        "the same model in a studio": model.seen_from(frame, IMAGE_WIDTH, "studio"),
+        "its model: materials in the estimated light": model.seen_from(
+            frame, IMAGE_WIDTH, Light.ESTIMATED
+        ),
+        "the same model in a studio": model.seen_from(frame, IMAGE_WIDTH, Light.STUDIO),
     }
     for column, (title, picture) in enumerate(pictures.items()):
         left = MARGIN + column * (width + GAP)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.gloss import to_labcd
-from reflest_core.ply_file import read_vertices, write_ply
+from reflest_core.ply_file import write_ply
 from reflest_core.synbrdf.scenes.painted_mesh import PaintedMesh
 from reflest_core.synbrdf.scenes.scene_materials import SceneMaterial
 from reflest_core.synbrdf.sequences.sequence_truth import TRUTH
@@ -63,22 +63,10 @@ def write_cloud(path: Path, points: NDArray[np.void]) -> None:
 
     Args:
         path: the file.
-        points: records of the type that :func:`read_cloud` gives.
+        points: (P,) of :data:`POINT`.
     """
     with path.open("wb") as file:
         write_ply(file, {"vertex": points})
-
-
-def read_cloud(path: Path) -> NDArray[np.void]:
-    """Read what :func:`write_cloud` wrote.
-
-    Args:
-        path: the file.
-
-    Raises:
-        ValueError: It is damaged.
-    """
-    return read_vertices(path)
 
 
 def material_cards(painted: PaintedMesh, points: NDArray[np.void]) -> list[dict[str, Any]]:

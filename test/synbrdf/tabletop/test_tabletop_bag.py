@@ -12,13 +12,14 @@ pytest.importorskip("mitsuba")
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.cli.main import main
+from reflest_core.ply_file import read_vertices
 from reflest_core.synbrdf.path_tracing.mitsuba_scene import RadianceTracer, mitsuba_scene
 from reflest_core.synbrdf.path_tracing.ward_bsdf import ward_bsdf
 from reflest_core.synbrdf.scenes.material_sources import MaterialSource, NamedMaterial
 from reflest_core.synbrdf.scenes.views import depth_camera
 from reflest_core.synbrdf.tabletop.face_ward_bsdf import face_ward_bsdf
 from reflest_core.synbrdf.tabletop.texture import two_materials
-from reflest_core.synbrdf.tabletop.truth import POINT, read_cloud
+from reflest_core.synbrdf.tabletop.truth import POINT
 from test.synbrdf.lights.test_environments import gradient
 from test.synbrdf.spheres import icosphere
 
@@ -69,7 +70,7 @@ def test_the_folder_holds_a_bag_and_the_truth(bag):
 
 
 def test_truth_points_lie_on_what_the_camera_saw(bag):
-    points, camera = read_cloud(bag / "truth.ply"), depth_camera(WIDTH, HEIGHT)
+    points, camera = read_vertices(bag / "truth.ply"), depth_camera(WIDTH, HEIGHT)
     places = np.stack([points[name] for name in "xyz"], axis=1).astype(np.float64)
     seen = np.zeros(len(points), int)
     for frame in open_capture(bag):
@@ -87,7 +88,7 @@ def test_truth_points_lie_on_what_the_camera_saw(bag):
 
 
 def test_the_cloud_has_the_values_of_its_materials(bag):
-    points = read_cloud(bag / "truth.ply")
+    points = read_vertices(bag / "truth.ply")
     cards = json.loads((bag / "truth.json").read_text())["materials"]
     assert set(points["material_id"]) <= {card["id"] for card in cards}
     for card in cards:
@@ -102,7 +103,7 @@ def test_the_cloud_is_a_ply_file_that_others_read(bag):
     trimesh = pytest.importorskip("trimesh")
     cloud = trimesh.load(bag / "truth.ply", process=False)
     data = cloud.metadata["_ply_raw"]["vertex"]["data"]
-    points = read_cloud(bag / "truth.ply")
+    points = read_vertices(bag / "truth.ply")
     assert tuple(data.dtype.names) == POINT.names
     np.testing.assert_array_equal(data["material_id"], points["material_id"])
     np.testing.assert_array_equal(data["rho_d_b"], points["rho_d_b"])
@@ -128,7 +129,7 @@ def test_in_a_room_its_walls_have_depth_and_no_truth(bag, tmp_path):
     assert (near.depth[on_table] == distant.depth[on_table]).mean() > 0.99
     assert (near.depth > 0).sum() > 1.2 * on_table.sum()
     np.testing.assert_array_equal(
-        read_cloud(tmp_path / "table" / "truth.ply"), read_cloud(bag / "truth.ply")
+        read_vertices(tmp_path / "table" / "truth.ply"), read_vertices(bag / "truth.ply")
     )
 
 
@@ -153,7 +154,7 @@ def test_chosen_objects_stand_on_a_chosen_table(tmp_path):
         ("object-2", "given", 0.06),
     ]
     assert " ".join(CHOSEN) in truth["command"]
-    assert 500 < len(read_cloud(out / "truth.ply")) <= 2000
+    assert 500 < len(read_vertices(out / "truth.ply")) <= 2000
 
 
 @pytest.mark.parametrize(
