@@ -91,4 +91,8 @@ def kernel_array(array: NDArray[Any], dtype: DTypeLike) -> NDArray[Any]:
     Returns:
         ``array`` itself or a copy: of ``dtype``, C-contiguous and writable.
     """
+    if type(array) is np.ndarray and array.dtype == dtype:
+        flags = array.flags
+        if flags.c_contiguous and flags.writeable and flags.aligned:
+            return array
     return np.require(array, dtype, ["C", "W"])

@@ -35,6 +35,8 @@ def _rgb_to_xyz_matrix() -> NDArray[np.float64]:
 RGB_TO_XYZ = _rgb_to_xyz_matrix()
 XYZ_TO_RGB = np.linalg.inv(RGB_TO_XYZ)
 WHITE_XYZ = _xyz_of_chromaticity(*WHITE_XY)
+_RGB_TO_RELATIVE = (RGB_TO_XYZ / WHITE_XYZ[:, None]).T
+"""(3, 3): a row of RGB to a row of XYZ over white's."""
 LUMINANCE_WEIGHTS = RGB_TO_XYZ[1]
 """Rec. 709 luminance of linear RGB: about (0.2126, 0.7152, 0.0722)."""
 
@@ -78,7 +80,7 @@ def rgb_to_lab(rgb: Array) -> Array:
         (..., 3) L* in [0, 100], a*, b*.
     """
     xp = array_namespace(rgb)
-    relative = rgb @ constant_like((RGB_TO_XYZ / WHITE_XYZ[:, None]).T, rgb)
+    relative = rgb @ constant_like(_RGB_TO_RELATIVE, rgb)
     root = xp.clip(relative, _DELTA**3, None) ** (1 / 3)
     f = xp.where(relative > _DELTA**3, root, relative / (3 * _DELTA**2) + 4 / 29)
     fx, fy, fz = f[..., 0], f[..., 1], f[..., 2]

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,3 +44,8 @@ class Frame:
     def camera_centre(self) -> NDArray[np.float64]:
         """The camera centre in the world frame, (3,) metres."""
         return self.T_world_camera[:3, 3]
+
+    @cached_property
+    def T_camera_world(self) -> NDArray[np.float64]:
+        """The inverse of :attr:`T_world_camera`, (4, 4): world to camera optical frame."""
+        return np.asarray(np.linalg.inv(self.T_world_camera), np.float64)

@@ -54,6 +54,8 @@ def means_at_one_exposure(
     """
     is_other = gains != 1.0
     corrected = means.copy()
+    if not is_other.any():
+        return corrected
     linear = srgb.decode(means[is_other] / 255.0) * gains[is_other, None]
     corrected[is_other] = srgb.encode(linear) * 255.0
     return corrected

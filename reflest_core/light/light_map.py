@@ -175,7 +175,8 @@ def _accumulate(
             directions[pixel, 0], directions[pixel, 1], directions[pixel, 2], size
         )
         rows[pixel], columns[pixel] = row, column
-        if (colours[pixel] == 255).any():
+        is_clipped = (colours[pixel, 0] == 255) | (colours[pixel, 1] == 255)
+        if is_clipped | (colours[pixel, 2] == 255):
             clips_here[row, column] = True
         if gain > white[row, column] * BRIGHTER:
             # Clipped sums start over: beside them lies only the dark part of the texel.

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,7 +81,7 @@ def _noise(surface: ObservedSurface) -> str:
         return ""
     step = max(len(surface.colours) // PAIRS, 1)
     voxels = np.arange(0, surface.voxel_count, step)
-    spread = _spread(surface.offsets, surface.colours, voxels)
+    spread = _spread(surface.offsets, surface.colours, voxels, _channel_brightness())
     if not spread > SPREAD:
         return ""
     order = np.argsort(surface.keys)
@@ -94,6 +95,7 @@ def _noise(surface: ObservedSurface) -> str:
         voxels[are_there],
         neighbours[are_there],
         len(surface.view_centres),
+        _channel_brightness(),
     )
     if pairs < FEWEST_PAIRS or shared > SHARED:
         return ""
@@ -106,17 +108,21 @@ def _noise(surface: ObservedSurface) -> str:
 @compiled
 def _extremes(colours: NDArray[np.uint8]) -> tuple[float, float]:
     """Shares of observations with all channels dark, and with any overexposed."""
-    dark, bright = 0, 0
-    for red, green, blue in colours:
-        dark += max(red, green, blue) <= DARKEST
-        bright += max(red, green, blue) >= BRIGHTEST
+    dark, bright, channels = np.int32(0), np.int32(0), colours.reshape(-1)
+    for n in range(len(colours)):
+        brightest = max(channels[3 * n], channels[3 * n + 1], channels[3 * n + 2])
+        dark += np.int32(brightest <= DARKEST)
+        bright += np.int32(brightest >= BRIGHTEST)
     count = max(len(colours), 1)
     return dark / count, bright / count
 
 
 @compiled
 def _spread(
-    offsets: NDArray[np.int64], colours: NDArray[np.uint8], voxels: NDArray[np.int64]
+    offsets: NDArray[np.int64],
+    colours: NDArray[np.uint8],
+    voxels: NDArray[np.int64],
+    brightness: NDArray[np.float64],
 ) -> float:
     """Median over voxels of at least four observations; 0 where there are none."""
     spreads = np.zeros(len(voxels))
@@ -124,7 +130,7 @@ def _spread(
     for voxel in voxels:
         first, last = offsets[voxel], offsets[voxel + 1]
         if last - first >= 4:
-            values = _brightness(colours[first:last])
+            values = _brightness(colours[first:last], brightness)
             spreads[count] = values.std() / (values.mean() + FLOOR)
             count += 1
     return float(np.median(spreads[:count])) if count else 0.0
@@ -138,6 +144,7 @@ def _shared(
     voxels: NDArray[np.int64],
     neighbours: NDArray[np.int64],
     views: int,
+    brightness: NDArray[np.float64],
 ) -> tuple[float, int]:
     """Correlation of neighbours' deviations from their means in views of both, and their number."""
     by_view = np.zeros(views)
@@ -147,7 +154,8 @@ def _shared(
         begin, end = offsets[neighbours[index]], offsets[neighbours[index] + 1]
         if last - first < 4 or end - begin < 4:
             continue
-        here, there = _brightness(colours[first:last]), _brightness(colours[begin:end])
+        here = _brightness(colours[first:last], brightness)
+        there = _brightness(colours[begin:end], brightness)
         by_view[:] = np.nan
         by_view[view_indices[first:last]] = here - here.mean()
         mean = there.mean()
@@ -164,10 +172,16 @@ def _shared(
 
 
 @compiled
-def _brightness(colours: NDArray[np.uint8]) -> NDArray[np.float64]:
+def _brightness(colours: NDArray[np.uint8], of_channel: NDArray[np.float64]) -> NDArray[np.float64]:
     """(O,) roughly linear mean of the channels, 1 for white."""
     values = np.zeros(len(colours))
     for index in range(len(colours)):
         for channel in range(3):
-            values[index] += (colours[index, channel] / 255.0) ** 2.2 / 3.0
+            values[index] += of_channel[colours[index, channel]]
     return values
+
+
+@cache
+def _channel_brightness() -> NDArray[np.float64]:
+    """(256,) what each 8-bit value of a channel adds to the brightness."""
+    return np.asarray((np.arange(256) / 255.0) ** 2.2 / 3.0)

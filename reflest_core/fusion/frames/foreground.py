@@ -16,7 +16,7 @@ from reflest_core.fusion.frames.depth_edges import clear_of_edges
 from reflest_core.fusion.frames.region import Region, pixels_in_region
 from reflest_core.fusion.frames.slant import find_steepness
 from reflest_core.fusion.settings import FusionSettings
-from reflest_core.jit import kernel_array
+from reflest_core.jit import compiled, kernel_array
 
 WIDEST_MARGIN = 32
 """Pixels to the sides within which ``FramePixels.free_depth`` searches at most."""
@@ -63,9 +63,7 @@ def classify_pixels(frame: Frame, region: Region, settings: FusionSettings) -> F
         What fusion takes of the frame.
     """
     depth: NDArray[np.float32] = kernel_array(frame.depth, np.float32)
-    is_known = np.isfinite(depth) & (depth >= NEAREST_DEPTH)
-    depth = np.where(is_known, depth, np.float32(0.0))
-    within_reach = is_known & (depth <= settings.max_depth)
+    depth, within_reach = _known_depth(depth, np.float32(settings.max_depth))
     K = frame.intrinsics.matrix
     if frame.mask is not None:
         foreground = kernel_array(frame.mask, np.bool_)
@@ -83,6 +81,21 @@ def classify_pixels(frame: Frame, region: Region, settings: FusionSettings) -> F
     find_steepness(depth, surface, settings.depth_edge_margin, K, steepness, gain)
     free_depth = _free_depth(depth, surface, frame, settings)
     return FramePixels(foreground, depth, surface, steepness, gain, free_depth)
+
+
+@compiled
+def _known_depth(
+    depth: NDArray[np.float32], max_depth: np.float32
+) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """Depth with 0 where it is unknown, and where it is known and within reach."""
+    known, is_within = np.empty(depth.size, np.float32), np.empty(depth.size, np.bool_)
+    of_pixels = depth.reshape(-1)
+    for n in range(len(of_pixels)):
+        z = of_pixels[n]
+        is_known = (z >= NEAREST_DEPTH) & (z < np.inf)
+        known[n] = z if is_known else np.float32(0.0)
+        is_within[n] = is_known & (z <= max_depth)
+    return known.reshape(depth.shape), is_within.reshape(depth.shape)
 
 
 def _free_depth(

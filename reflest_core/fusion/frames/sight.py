@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +15,7 @@ from reflest_core.capture.frame import Frame
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.fusion.frames.region import Region
 from reflest_core.fusion.settings import FusionSettings
+from reflest_core.jit import compiled, kernel_array
 from reflest_core.surface.voxel_key import VOXEL_LIMIT
 
 MOST_POSITIONS = 4096
@@ -46,12 +49,16 @@ class KnownSurface:
     @property
     def centre(self) -> NDArray[np.float64]:
         """(3,) mean position, world frame, metres."""
-        return np.asarray(self.positions.mean(axis=0, dtype=np.float64))
+        return self._moments[0]
 
     @property
     def radius(self) -> float:
         """Root mean square distance from the centre, metres."""
-        return float(np.sqrt(self.positions.var(axis=0, dtype=np.float64).sum()))
+        return math.sqrt(self._moments[1])
+
+    @cached_property
+    def _moments(self) -> tuple[NDArray[np.float64], float]:
+        return _mean_and_variance(kernel_array(self.positions, np.float32))
 
     def is_in_sight(self, frame: Frame) -> bool:
         """Decide whether any of it lies in a frame's field of view, hidden or not.
@@ -70,6 +77,21 @@ class KnownSurface:
         across, down = MARGIN * camera.width, MARGIN * camera.height
         inside = (u > -across) & (u < camera.width + across)
         return bool((inside & (v > -down) & (v < camera.height + down)).any())
+
+
+@compiled
+def _mean_and_variance(positions: NDArray[np.float32]) -> tuple[NDArray[np.float64], float]:
+    """Mean (3,) of positions (V, 3), and their mean squared distance from it."""
+    mean, squares = np.zeros(3), np.zeros(3)
+    for voxel in range(len(positions)):
+        for axis in range(3):
+            mean[axis] += positions[voxel, axis]
+    mean /= len(positions)
+    for voxel in range(len(positions)):
+        for axis in range(3):
+            squares[axis] += (positions[voxel, axis] - mean[axis]) ** 2
+    squares /= len(positions)
+    return mean, squares[0] + squares[1] + squares[2]
 
 
 FURTHEST_LIKELY, NEAREST_LIKELY = 50.0, 0.02

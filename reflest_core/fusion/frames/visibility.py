@@ -57,7 +57,7 @@ def visible_voxels(
         kernel_array(frame.rgb, np.uint8),
         pixels.depth,
         pixels.surface,
-        kernel_array(np.linalg.inv(frame.T_world_camera), np.float64),
+        kernel_array(frame.T_camera_world, np.float64),
         kernel_array(frame.camera_centre, np.float64),
         frame.intrinsics.matrix,
         settings.voxel_size,

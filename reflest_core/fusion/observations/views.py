@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.jit import compiled, kernel_array
+
 VIEW_CAPACITY = 4096
 """Views kept; when another comes, the oldest give way with their observations."""
 
@@ -82,9 +84,7 @@ class ViewTable:
         """
         distance = float(np.linalg.norm(centre - scene))
         reach = 2.0 * math.sin(math.radians(spacing) / 2.0) * distance
-        away = np.linalg.norm(self.centres[: self.count] - centre, axis=1)
-        ids = np.flatnonzero(away < reach)
-        return ids[np.argsort(away[ids], kind="stable")]
+        return _nearer_than(reach, self.centres[: self.count], kernel_array(centre, np.float64))
 
     def oldest(self) -> NDArray[np.int64]:
         """Choose the views that give way next.
@@ -150,3 +150,26 @@ class ViewTable:
     def is_full(self) -> bool:
         """Whether the oldest views must give way to another."""
         return self.stored == self.capacity
+
+
+@compiled
+def _nearer_than(
+    reach: float, centres: NDArray[np.float32], place: NDArray[np.float64]
+) -> NDArray[np.int64]:
+    """Rows of ``centres`` (N, 3) nearer to a place than ``reach``, nearest first."""
+    rows, distances = np.empty(len(centres), np.int64), np.empty(len(centres))
+    count = 0
+    for row in range(len(centres)):
+        squared = 0.0
+        for axis in range(3):
+            squared += (centres[row, axis] - place[axis]) ** 2
+        distance = math.sqrt(squared)
+        if not distance < reach:  # nor a forgotten view's NaN
+            continue
+        at = count
+        while at > 0 and distances[at - 1] > distance:
+            rows[at], distances[at] = rows[at - 1], distances[at - 1]
+            at -= 1
+        rows[at], distances[at] = row, distance
+        count += 1
+    return rows[:count].copy()

@@ -77,6 +77,11 @@ class DepthSample:
         self._rays = _sampled(self.depth, *_strides(valid / SAMPLES), self._pinhole)
 
     @cached_property
+    def T_camera_world(self) -> NDArray[np.float64]:
+        """The inverse of :attr:`pose`, (4, 4)."""
+        return np.asarray(np.linalg.inv(self.pose), np.float64)
+
+    @cached_property
     def median_depth(self) -> float:
         """Median depth of the sample, metres; 0 without any."""
         depth, middle = self._rays[:, 2], len(self._rays) // 2

@@ -168,13 +168,13 @@ class PoseCheck:
         if reference is None:
             self._reference = sample
             return
-        turn, shift = _motion(reference, sample)
+        relative = reference.T_camera_world @ sample.pose
+        turn, shift = _motion(relative, reference.median_depth)
         if self._before_jump is not None or not (turn > TURN or shift > SHIFT):
             return
         self._reference = sample
         if turn > MOST_TURN:
             return
-        relative = np.linalg.inv(reference.pose) @ sample.pose
         agreement = sample.meets(reference, relative)
         if not agreement.is_known:
             self._out_of_sight += 1
@@ -240,12 +240,12 @@ class PoseCheck:
 
 
 def _met(earlier: DepthSample, later: DepthSample, most: int) -> Agreement:
-    return later.meets(earlier, np.linalg.inv(earlier.pose) @ later.pose, most=most)
+    return later.meets(earlier, earlier.T_camera_world @ later.pose, most=most)
 
 
-def _motion(earlier: DepthSample, later: DepthSample) -> tuple[float, float]:
+def _motion(relative: NDArray[np.float64], depth: float) -> tuple[float, float]:
     """Return the rotation between two frames, radians, and their distance over the depth."""
-    relative: NDArray[np.float64] = np.linalg.inv(earlier.pose) @ later.pose
-    cosine = (float(np.trace(relative[:3, :3])) - 1.0) / 2.0
-    distance = float(np.linalg.norm(relative[:3, 3]))
-    return math.acos(min(max(cosine, -1.0), 1.0)), distance / max(earlier.median_depth, 1e-6)
+    rotation, translation = relative[:3, :3].tolist(), relative[:3, 3].tolist()
+    cosine = (rotation[0][0] + rotation[1][1] + rotation[2][2] - 1.0) / 2.0
+    distance = math.hypot(*translation)
+    return math.acos(min(max(cosine, -1.0), 1.0)), distance / max(depth, 1e-6)

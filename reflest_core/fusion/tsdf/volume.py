@@ -257,6 +257,4 @@ class TsdfVolume:
 
 def _projection(frame: Frame) -> NDArray[np.float64]:
     """(3, 4): world to homogeneous pixels."""
-    return kernel_array(
-        frame.intrinsics.matrix @ np.linalg.inv(frame.T_world_camera)[:3], np.float64
-    )
+    return kernel_array(frame.intrinsics.matrix @ frame.T_camera_world[:3], np.float64)

@@ -8,7 +8,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from reflest_core.models.grouplet import live as live_grouplet
 from reflest_core.models.hemicnn import live as live_hemicnn
 from reflest_core.models.lightnet import live as live_lightnet
-from reflest_core.models.linear_algebra import _libraries, one_blas_thread, run_in_threads
+from reflest_core.models.linear_algebra import _blas_libraries, one_blas_thread, run_in_threads
 from reflest_core.models.predictor import Predictor
 from test.core.surfaces import sphere_surface
 from test.core.weight_files import untrained_lightnet
@@ -72,7 +72,7 @@ def test_features_are_built_on_one_thread_too(model, network, features, monkeypa
     predictor = Predictor(model, untrained_lightnet(tmp_path) if model == "lightnet" else None)
     surface = sphere_surface(voxels=600, views=20)
     predictor.predict(surface)
-    _libraries.cache_clear()  # kernels and other tests have loaded another BLAS meanwhile
+    _blas_libraries.cache_clear()  # kernels and other tests have loaded another BLAS meanwhile
     with threadpool_limits(2, user_api="blas"):
         predictor.predict(surface)
     assert threads[1] == {1}
