@@ -148,7 +148,7 @@ class Scanner:
         self._next_stamp_ns = frame.stamp_ns + FRAME_NS
 
     def estimate(self) -> BrdfEstimate:
-        """Estimate one BRDF for all that was scanned.
+        """Estimate the region's material, or else the one in the middle of the last view.
 
         Raises:
             NoEstimate: Too little was scanned; the sentence says what is missing.

@@ -34,6 +34,8 @@ class ReplayResult:
         final: Of the whole scan.
         no_final: Why there is none.
         materials: Of the whole scan.
+        middle_id: Which of them ``final`` is, the one in the middle of the last view; None where a
+            region or a mask says what is looked at.
         poses: How well the depth maps met.
     """
 
@@ -45,6 +47,7 @@ class ReplayResult:
     final: BrdfEstimate | None = None
     no_final: str | None = None
     materials: MaterialMap | None = None
+    middle_id: int | None = None
     poses: PoseReport = field(default_factory=lambda: PoseCheck().report)
 
 
@@ -63,15 +66,19 @@ def estimate_line(estimate: BrdfEstimate) -> str:
     )
 
 
-def final_lines(estimate: BrdfEstimate) -> list[str]:
+def final_lines(estimate: BrdfEstimate, middle_id: int | None = None) -> list[str]:
     """Return the final estimate in full, with deviations, units and colour spaces.
 
     Args:
         estimate: of a keyframe, or of the whole scan.
+        middle_id: its material, the one in the middle of the last view; None where it is not one
+            of several.
     """
+    middle = f"  of     the material in the middle of the last view: id {middle_id} below"
     gloss, gloss_stddev = (estimate.c, estimate.d), (estimate.c_stddev, estimate.d_stddev)
     return [
         f"final   {estimate_line(estimate)}",
+        *([] if middle_id is None else [middle]),
         f"  rho_d  {_with_deviation(estimate.rho_d, estimate.rho_d_stddev, 4)}"
         "  (diffuse albedo, linear sRGB)",
         f"  rho_s  {_with_deviation((estimate.rho_s,), (estimate.rho_s_stddev,), 4)}"
@@ -179,6 +186,7 @@ def replay_record(
         "poses": result.poses.to_json(),
         "estimates": [estimate.to_json() for estimate in result.estimates],
         "final": None if result.final is None else result.final.to_json(),
+        "final_material_id": result.middle_id,
         "materials": [material.to_json() for material in result.materials.materials]
         if result.materials
         else [],

@@ -115,8 +115,12 @@ def _conclude(capture: Capture, pipeline: Pipeline, result: ReplayResult) -> Non
         result.no_final = reasons or "it holds no colour image"
         return
     try:
-        result.final = pipeline.estimate(pipeline.snapshot())
+        snapshot = pipeline.snapshot()
+        result.final = pipeline.estimate(snapshot)
         result.materials = pipeline.materials(pipeline.snapshot(EVERY_VOXEL))
+        if snapshot.middle is not None and len(result.materials.materials) > 1:
+            found = result.materials.near(snapshot.middle)
+            result.middle_id = None if found is None else found.id
     except NoEstimate as reason:
         result.no_final = str(reason)
 
@@ -125,7 +129,7 @@ def _report(capture: Capture, result: ReplayResult) -> None:
     notes = {"redundant": result.redundant_count, "of the light alone": result.light_count}
     counts = "".join(f", {count} of them {what}" for what, count in notes.items() if count)
     print(f"{capture.frames_seen} colour images, {result.fused_count} frames fused{counts}")
-    for line in final_lines(result.final) if result.final else []:
+    for line in final_lines(result.final, result.middle_id) if result.final else []:
         print(line)
     for line in material_lines(result.materials, sys.stdout.isatty()) if result.materials else []:
         print(line)

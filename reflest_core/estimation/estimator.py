@@ -16,7 +16,12 @@ from reflest_core.brdf.deviations import labcd_stddev
 from reflest_core.brdf.gloss import ward_to_labcd
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
-from reflest_core.estimation.material_map import MOST_MATERIALS, MaterialEstimate, MaterialMap
+from reflest_core.estimation.material_map import (
+    MOST_MATERIALS,
+    MaterialEstimate,
+    MaterialMap,
+    nearest_material,
+)
 from reflest_core.estimation.physical_ward import physical_ward
 from reflest_core.estimation.reliability import Evidence, warnings_of
 from reflest_core.estimation.scan_memory import GlossAnswer, ScanMemory
@@ -30,12 +35,12 @@ from reflest_core.inference.mixed_materials import albedos_of_material
 from reflest_core.inference.transport.surface_irradiance import SurfaceSight
 from reflest_core.models.linear_algebra import one_blas_thread
 from reflest_core.models.predictor import Prediction, Predictor
-from reflest_core.segmentation.segmenter import in_key_order
+from reflest_core.segmentation.segmenter import Segmenter, in_key_order
 from reflest_core.surface.colour_problems import colour_problems
 from reflest_core.surface.coverage import hemisphere_coverage
 from reflest_core.surface.extent import voxel_extent
 from reflest_core.surface.observed_surface import ObservedSurface
-from reflest_core.surface.partition import WHOLE, Partition
+from reflest_core.surface.partition import UNASSIGNED, WHOLE, Partition
 from reflest_core.surface.upright import upright
 from reflest_core.surface.voxel_choice import choose_voxels
 
@@ -161,6 +166,55 @@ class Estimator:
             found = self._map((surface, turned), partition, light, header, scene.sight, answers)
         memory.remember(self.predictor.model_id, bases, answers)
         return found
+
+    def material_at(
+        self,
+        surface: ObservedSurface,
+        point: NDArray[np.float64],
+        stamp_ns: int,
+        frame_id: str,
+        light_problem: str = "",
+    ) -> BrdfEstimate | None:
+        """Divide a scan into materials and estimate the BRDF of the one at a point.
+
+        Nothing is remembered from one call to the next: the same scan gives the same bits.
+
+        Args:
+            surface: the scan, world frame.
+            point: (3,) on the surface or near it, world frame, metres.
+            stamp_ns: stamp of the keyframe's image.
+            frame_id: camera frame of that image.
+            light_problem: a warning about the scene's light, or "".
+
+        Returns:
+            The estimate; None where the scan is of one material, which :meth:`estimate` is for.
+
+        Raises:
+            NoEstimate: Too few voxels were observed.
+        """
+        self._check_voxels(surface)
+        surface = in_key_order(surface)
+        turned = upright(surface, self.settings.up)
+        observed = seen_light(turned)
+        header = stamp_ns, frame_id, light_problem
+        with one_blas_thread():
+            scene = Segmenter().segment(turned, observed)
+            ids = scene.partition.ids_of(turned.voxel_keys)
+            counts = np.bincount(ids)
+            large = np.flatnonzero(counts >= self.settings.min_voxels)
+            if len(large[large != UNASSIGNED]) < 2:
+                return None
+            found = nearest_material(
+                surface.positions, np.where(np.isin(ids, large), ids, UNASSIGNED), point
+            )
+            light = None
+            if self.predictor.sees_light:
+                light = infer_light(
+                    turned, observed, scene.partition, joint=scene.joint, evidence_of=(found,)
+                )
+            alone = Partition.of(turned, np.where(ids == found, ids, UNASSIGNED))
+            mapped = self._map((surface, turned), alone, light, header, scene.sight)
+        return mapped.materials[0].estimate
 
     def _map(
         self,

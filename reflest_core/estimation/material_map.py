@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.inference.light import SceneLight
 from reflest_core.surface.observed_surface import ObservedSurface
-from reflest_core.surface.partition import Partition
+from reflest_core.surface.partition import UNASSIGNED, Partition
 
+NEAREST_VOXELS = 32
+"""Voxels whose most frequent material is that of a point."""
 MOST_MATERIALS = 256
 """Materials of a map at most, the largest; the message is bounded by the same number."""
 
@@ -99,6 +101,24 @@ class MaterialMap:
         """
         return next((found for found in self.materials if found.id == material_id), None)
 
+    def near(self, point: NDArray[np.float64]) -> MaterialEstimate | None:
+        """Find the material at a point.
+
+        Args:
+            point: (3,) on the surface or near it, world frame, metres.
+
+        Returns:
+            The material that most of the voxels nearest to it are of, among those with an
+            estimate; None where there is none.
+        """
+        if not self.materials:
+            return None
+        known = np.array([found.id for found in self.materials])
+        ids = self.material_ids
+        return self.material(
+            nearest_material(self.surface.positions, np.where(np.isin(ids, known), ids, 0), point)
+        )
+
     def warnings(self) -> dict[str, list[int]]:
         """Return each sentence of the estimates' status once, with the ids that it is about."""
         about: dict[str, list[int]] = {}
@@ -121,3 +141,24 @@ class MaterialMap:
         for found in self.materials:
             values[ids == found.id] = getattr(found.estimate, name)
         return values
+
+
+def nearest_material(
+    positions: NDArray[np.float32], ids: NDArray[np.integer], point: NDArray[np.float64]
+) -> int:
+    """Find the id that most of the voxels nearest to a point have.
+
+    Args:
+        positions: (V, 3) metres.
+        ids: (V,) id of each voxel's material; :data:`.UNASSIGNED` for voxels that do not count.
+        point: (3,) in the same frame.
+
+    Returns:
+        The id, of equally frequent ones the least; :data:`.UNASSIGNED` where no voxel counts.
+    """
+    voxels = np.flatnonzero(ids != UNASSIGNED)
+    if not len(voxels):
+        return UNASSIGNED
+    away = np.linalg.norm(positions[voxels].astype(np.float64) - point, axis=1)
+    nearest = voxels[np.argsort(away, kind="stable")[:NEAREST_VOXELS]]
+    return int(np.bincount(ids[nearest]).argmax())

@@ -53,6 +53,9 @@ class KeyframeSnapshot:
         light_problem: why light that was known before the scan was not used, or "".
         poses: how well the scan's depth maps meet; None where none were fused.
         memory: what is remembered of this scan's materials; None where it is one material.
+        middle: (3,) float64, the surface point in the middle of the view; None where a region or a
+            mask says what is looked at.
+        around: the surface around it; None where ``surface`` has all voxels.
     """
 
     stamp_ns: int
@@ -65,6 +68,8 @@ class KeyframeSnapshot:
     light_problem: str = ""
     poses: PoseReport | None = None
     memory: ScanMemory | None = None
+    middle: NDArray[np.float64] | None = None
+    around: ObservedSurface | None = None
 
 
 @dataclass(frozen=True)
@@ -145,6 +150,7 @@ class Pipeline:
         if self._known_light is not None and surface.light is not None:
             joined = self._known_light.joined(surface.light)
             surface, problem = replace(surface, light=joined.light), joined.problem
+        around = scan.snapshot_around_middle(most_voxels) if most_voxels <= MOST_VOXELS else None
         return KeyframeSnapshot(
             scan.last_stamp_ns or 0,
             scan.frame_id,
@@ -156,10 +162,15 @@ class Pipeline:
             problem,
             self.poses.report,
             self._memory if scan.region_settings.shape == "none" else None,
+            scan.middle,
+            None if around is None else replace(around, light=surface.light),
         )
 
     def estimate(self, snapshot: KeyframeSnapshot) -> BrdfEstimate:
-        """Estimate one BRDF for all of a snapshot.
+        """Estimate the region's material, or else the one in the middle of the view.
+
+        Of a large scan without a region the :data:`.MOST_VOXELS` voxels around the middle of the
+        view are divided into materials. The answer depends on the snapshot alone.
 
         Args:
             snapshot: the scan at a keyframe.
@@ -167,12 +178,15 @@ class Pipeline:
         Raises:
             NoEstimate: Too few voxels were observed.
         """
-        surface = snapshot.surface
-        estimate = self.estimator.estimate(
-            surface, snapshot.stamp_ns, snapshot.frame_id, snapshot.light_problem
-        )
-        estimate = _with_poses(estimate, snapshot.poses)
-        if snapshot.voxel_count is None or snapshot.observation_count is None:
+        header = snapshot.stamp_ns, snapshot.frame_id, snapshot.light_problem
+        is_part, estimate = snapshot.around is not None, None
+        surface = snapshot.surface if snapshot.around is None else snapshot.around
+        if snapshot.middle is not None:
+            estimate = self.estimator.material_at(surface, snapshot.middle, *header)
+        if estimate is not None:
+            return _with_poses(estimate, snapshot.poses)
+        estimate = _with_poses(self.estimator.estimate(surface, *header), snapshot.poses)
+        if is_part or snapshot.voxel_count is None or snapshot.observation_count is None:
             return estimate
         return replace(
             estimate,

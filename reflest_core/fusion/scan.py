@@ -15,6 +15,7 @@ from reflest_core.fusion.frames import sight
 from reflest_core.fusion.frames.background_light import background_pixels, sampling_step
 from reflest_core.fusion.frames.foreground import classify_pixels
 from reflest_core.fusion.frames.region import Region, RegionShape
+from reflest_core.fusion.frames.view_middle import view_middle
 from reflest_core.fusion.frames.visibility import visible_voxels
 from reflest_core.fusion.frames.window import cropped, object_window
 from reflest_core.fusion.frames.work_sphere import WorkSphere, without_holes
@@ -53,6 +54,8 @@ class Scan:
         views: The stored views.
         light: What the background showed.
         work_sphere: What is scanned where there is no region.
+        middle: (3,) float64, the surface point in the middle of the last view; None before the
+            first one, and where a region or a mask says what is looked at.
         frame_number: Frames fused.
         last_stamp_ns: Stamp of the last one, None before the first.
         frame_id: The camera's frame of the last one.
@@ -85,6 +88,7 @@ class Scan:
         self.views = ViewTable(budget.views)
         self.light = LightMap()
         self.work_sphere, self.material_ids = WorkSphere(), GivenIds()
+        self.middle: NDArray[np.float64] | None = None
         self.frame_number = 0
         self.last_stamp_ns: int | None = None
         self.frame_id, self.world_frame_id = "", ""
@@ -139,6 +143,7 @@ class Scan:
         if not shows_surface:
             return self._fuse_light(whole)
         self.work_sphere = sphere
+        self.middle = view_middle(whole, self.fusion.max_depth) if self._is_scene(whole) else None
         foreground, background = foreground_background_means(whole.rgb, is_foreground)
         fused = FusedFrame(frame.stamp_ns, frame.frame_id, foreground, background)
         known = known_frame(
@@ -264,6 +269,20 @@ class Scan:
         surface = observed_surface(self.store, self.views, self.fusion, most_voxels)
         return dataclasses.replace(surface, light=self.light.observed())
 
+    def snapshot_around_middle(self, most_voxels: int = MOST_VOXELS) -> ObservedSurface | None:
+        """Copy the neighbourhood of the middle of the last view, where the scan is larger than it.
+
+        Args:
+            most_voxels: So many voxels are copied, those nearest to :attr:`middle`.
+
+        Returns:
+            The surface without its light; None where there is no middle, and where
+            :meth:`snapshot` has all voxels.
+        """
+        if self.middle is None or self.store.observed_count <= most_voxels:
+            return None
+        return observed_surface(self.store, self.views, self.fusion, most_voxels, self.middle)
+
     def save(self, path: Path | str) -> None:
         """Write the scan to one file, replacing it whole or not at all.
 
@@ -282,6 +301,7 @@ class Scan:
             "world_frame_id": self.world_frame_id,
             "exposure_gain": self.light.gain,
             "work_sphere": dataclasses.asdict(self.work_sphere),
+            "middle": None if self.middle is None else self.middle.tolist(),
             "next_material_id": self.material_ids.next_id,
         }
         arrays = {
@@ -333,6 +353,7 @@ class Scan:
             scan.last_stamp_ns = scan._clock_ns = header.last_stamp_ns
             scan.frame_id, scan.world_frame_id = header.frame_id, header.world_frame_id
             scan.work_sphere = WorkSphere.from_json(header.work_sphere)
+            scan.middle = None if header.middle is None else np.array(header.middle)
             scan.material_ids = GivenIds.stored(stored, arrays)
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise damaged(path, error) from None

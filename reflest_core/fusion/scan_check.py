@@ -48,6 +48,8 @@ class ScanHeader:
         world_frame_id: The world frame.
         exposure_gain: Of the last frame.
         work_sphere: As stored, None in older files.
+        middle: Surface point in the middle of the last view, world frame, metres; None where there
+            is none and in older files.
     """
 
     fusion: FusionSettings
@@ -58,6 +60,7 @@ class ScanHeader:
     world_frame_id: str
     exposure_gain: float
     work_sphere: Any
+    middle: tuple[float, float, float] | None
 
 
 def checked_header(header: Mapping[str, Any]) -> ScanHeader:
@@ -86,6 +89,7 @@ def checked_header(header: Mapping[str, Any]) -> ScanHeader:
             _name(header.get("world_frame_id", "")),
             _gain(header["exposure_gain"]),
             header.get("work_sphere"),
+            None if header.get("middle") is None else _vector(header["middle"]),
         )
     except KeyError as error:
         raise ValueError(f"its header has no {error}") from None

@@ -32,6 +32,7 @@ def observed_surface(
     views: ViewTable,
     settings: FusionSettings,
     most_voxels: int = MOST_VOXELS,
+    centre: NDArray[np.float64] | None = None,
 ) -> ObservedSurface:
     """Copy the observed voxels of a store, their observations and their views.
 
@@ -41,13 +42,17 @@ def observed_surface(
         store: Voxels and their observations.
         views: The views that the observations belong to; view indices are view ids.
         settings: Voxel size, smoothing of normals and threads.
-        most_voxels: A larger store is thinned evenly to so many voxels.
+        most_voxels: Of a larger store so many voxels are copied.
+        centre: (3,) the copied voxels are those nearest to it; None spreads them evenly.
 
     Returns:
         The surface without its light.
     """
     rows = store.rows
-    selected = thinned(rows.counts[: store.count], most_voxels)
+    if centre is None:
+        selected = thinned(rows.counts[: store.count], most_voxels)
+    else:
+        selected = _nearest(store, centre, most_voxels)
     offsets = np.zeros(len(selected) + 1, np.int64)
     np.cumsum(rows.counts[selected], out=offsets[1:], dtype=np.int64)
     colours, view_ids = store.observations(selected, settings.threads)
@@ -63,6 +68,17 @@ def observed_surface(
         view_background=means_at_one_exposure(views.background[: views.count], gains),
         keys=rows.keys[selected],
     )
+
+
+def _nearest(store: ObservationStore, centre: NDArray[np.float64], most: int) -> NDArray[np.int64]:
+    """Rows of the observed voxels that are nearest to a point, rising."""
+    rows = store.rows
+    observed = np.flatnonzero(rows.counts[: store.count])
+    if len(observed) <= most:
+        return observed
+    away = rows.positions[observed] - centre.astype(np.float32)
+    nearest = np.argpartition(np.einsum("ij,ij->i", away, away), most)[:most]
+    return np.sort(observed[nearest])
 
 
 def _normals(

@@ -7,7 +7,10 @@ from __future__ import annotations
 from reflest_core.capture.refusal import RefusalCause
 
 OUTPUTS = {
-    "/reflectance/brdf": "The estimate, at each keyframe and on request; its fields are below.",
+    "/reflectance/brdf": (
+        "The material in the region of interest, or else the one in the middle of the view, at "
+        "each keyframe and on request; its fields are below."
+    ),
     "/reflectance/preview": (
         "A sphere of the estimated material under a fixed light, `rgb8`, sRGB; stamp and frame are "
         "the estimate's."

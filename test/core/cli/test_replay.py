@@ -157,7 +157,8 @@ def test_options_lie_over_the_config(replay, bag, tmp_path):
 
 
 def test_the_scan_is_saved(replay, bag, tmp_path):
-    record = replay(bag, "--save-scan", tmp_path / "scan.npz")[3]
+    one_material = ["--roi-sphere", 0, 0, 0, 5]
+    record = replay(bag, "--save-scan", tmp_path / "scan.npz", *one_material)[3]
     scan = Scan.load(tmp_path / "scan.npz")
     assert scan.observation_count == record["final"]["observation_count"]
 

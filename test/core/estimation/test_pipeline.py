@@ -38,7 +38,10 @@ def pipeline():
     return pipeline
 
 
-def test_counts_are_the_whole_scans_where_the_snapshot_is_a_part_of_it(pipeline):
+def test_counts_are_the_whole_scans_where_the_snapshot_is_a_part_of_it():
+    pipeline = Pipeline(in_a_room(0)[0])
+    for frame in orbit_frames(8):
+        pipeline.fuse(frame)
     whole = pipeline.estimate(pipeline.snapshot())
     assert whole.voxel_count == pipeline.scan.store.observed_count
     assert whole.observation_count == pipeline.scan.observation_count
