@@ -156,7 +156,15 @@ class Estimator:
         header = stamp_ns, frame_id, light_problem
         with one_blas_thread():
             scene = memory.segmenter.segment(turned, observed)
-            partition, light, bases = scene.partition, None, scene.bases()
+            partition, light = scene.partition, None
+            large = self._large_materials(partition, turned)
+            if len(large) == 1 and self.predictor.sees_light:
+                # One material says little of the light: the network's albedo is the better one.
+                ids = partition.ids_of(turned.voxel_keys)
+                only = Partition.of(turned, np.where(ids == large[0], ids, UNASSIGNED))
+                light = infer_light(turned, observed, only)
+                return self._map((surface, turned), partition, light, header, scene.sight)
+            bases = scene.bases()
             answers = memory.known(self.predictor.model_id, bases)
             if self.predictor.sees_light:
                 unknown = bases.keys() - answers.keys()
@@ -200,9 +208,8 @@ class Estimator:
         with one_blas_thread():
             scene = Segmenter().segment(turned, observed)
             ids = scene.partition.ids_of(turned.voxel_keys)
-            counts = np.bincount(ids)
-            large = np.flatnonzero(counts >= self.settings.min_voxels)
-            if len(large[large != UNASSIGNED]) < 2:
+            large = self._large_materials(scene.partition, turned)
+            if len(large) < 2:
                 return None
             found = nearest_material(
                 surface.positions, np.where(np.isin(ids, large), ids, UNASSIGNED), point
@@ -276,6 +283,12 @@ class Estimator:
             stddev,
             light,
         )
+
+    def _large_materials(self, partition: Partition, surface: ObservedSurface) -> NDArray[np.int64]:
+        """Ids of the materials with enough observed voxels for an estimate, rising."""
+        counts = np.bincount(partition.ids_of(surface.voxel_keys))
+        large = np.flatnonzero(counts >= self.settings.min_voxels)
+        return np.asarray(large[large != UNASSIGNED])
 
     def _check_voxels(self, surface: ObservedSurface) -> None:
         observed = int((surface.observation_counts > 0).sum())

@@ -147,6 +147,14 @@ def test_a_table_of_two_colours_and_one_gloss_is_one_material():
     np.testing.assert_allclose(bright / dark, [3.0, 5.0 / 3.0, 1.5], rtol=0.25)
 
 
+def test_the_only_material_has_the_estimate_of_the_whole_scan(table):
+    ball = keep_voxels(table.surface, np.flatnonzero(table.labels == 1))
+    (only,) = mapped(ball).materials
+    alone = Estimator(SETTINGS).estimate(ball, 5, "camera")
+    assert only.estimate.rho_d == pytest.approx(alone.rho_d, rel=0.02)
+    assert only.estimate.alpha == pytest.approx(alone.alpha, rel=0.02)
+
+
 def test_a_network_that_sees_no_light_estimates_the_same_materials(table, found):
     grouplet = dataclasses.replace(SETTINGS, model="grouplet-fast")
     other = mapped(table.surface, settings=grouplet)
