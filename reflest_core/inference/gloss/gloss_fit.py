@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.inference.gloss.gloss_kernel import fit_roughness
+from reflest_core.inference.gloss.gloss_kernel import ROUGHNESSES_AT_ONCE, fit_roughnesses
 from reflest_core.inference.material_fit import likelihood
 from reflest_core.inference.transport.ward_lobe import ROUGHNESSES
+from reflest_core.jit import kernel_array
 
 EVIDENCE = 0.15
 """Power of the misfit's inverse that makes a roughness likely, for each observation that counted.
@@ -89,7 +90,13 @@ def fit_gloss(
     """
     voxels = int(voxel_of[-1]) + 1 if len(voxel_of) else 0
     fits = [
-        fit_roughness(colours, clipped, lobes, roughness, voxel_of, voxels)
-        for roughness in range(lobes.shape[1])
+        fit_roughnesses(
+            kernel_array(colours, np.float32),
+            kernel_array(clipped, np.bool_),
+            kernel_array(lobes[:, first : first + ROUGHNESSES_AT_ONCE], np.float32),
+            kernel_array(voxel_of, np.int64),
+            voxels,
+        )
+        for first in range(0, lobes.shape[1], ROUGHNESSES_AT_ONCE)
     ]
-    return GlossFit(*np.array(fits, np.float32).T)
+    return GlossFit(*np.concatenate(fits).astype(np.float32).T)

@@ -39,8 +39,8 @@ LEAST_CLIPPED = 1e-4
 """Share of a lobe: with less clipped light in every lobe there is no excess to be found."""
 WHITE = 1.0
 """Diffuse radiance to begin with where every observation is clipped, in units of white."""
-NORM = math.log(8.0 / 3.0)
-"""Minus the logarithm of the density's maximum at scale 1, for four degrees of freedom."""
+MAXIMUM = 3.0 / 8.0
+"""Of the density at scale 1, for four degrees of freedom."""
 SMALLEST_TAIL = 1e-6
 
 
@@ -165,12 +165,13 @@ def fit_at_roughness(
     for v in range(len(diffuse)):
         likelihoods[v] = 0.0
         for o in range(offsets[v], offsets[v + 1]):
+            product = 1.0  # of the channels' densities, for one logarithm of all
             for c in range(3):
                 lobe = lobes[o, c] + excess * lobes[o, EXCESS + c]
                 error = colours[o, c] - diffuse[v, c] - gloss * lobe
                 spread = HIGHLIGHT_ERROR * gloss * lobe
-                scale = math.sqrt(variances[o, c] + spread * spread)
-                likelihoods[v] += trust[o] * _log_density(error / scale, scale, is_clipped[o, c])
+                product *= _density(error, variances[o, c] + spread * spread, is_clipped[o, c])
+            likelihoods[v] += trust[o] * math.log(product)
     log_prior = 0.0
     if has_excess:
         score = (math.log1p(excess) - EXCESS_MEAN) / EXCESS_SPREAD
@@ -266,14 +267,14 @@ def _stepped(
 
 
 @compiled
-def _log_density(score: float, scale: float, is_bound: bool) -> float:
-    """Logarithm of the Student-t density of an error, up to a constant.
+def _density(error: float, variance: float, is_bound: bool) -> float:
+    """The Student-t density of an error.
 
     Of a lower bound it is the probability of anything brighter, in closed form for four degrees of
     freedom.
     """
+    square = 1.0 + error * error / (variance * FREEDOM)
     if not is_bound:
-        density = -0.5 * (FREEDOM + 1.0) * math.log1p(score * score / FREEDOM)
-        return density - math.log(scale) - NORM
-    u = score / math.sqrt(1.0 + score * score / FREEDOM)
-    return math.log(max(0.5 - 0.375 * (u - u * u * u / 12.0), SMALLEST_TAIL))
+        return MAXIMUM / (square * square * math.sqrt(square * variance))
+    u = error / math.sqrt(variance * square)
+    return max(0.5 - 0.375 * (u - u * u * u / 12.0), SMALLEST_TAIL)

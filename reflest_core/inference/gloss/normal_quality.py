@@ -82,12 +82,17 @@ def _spreads(
     """Spreads (V,) in the original order; the other arrays are sorted by the ``keys`` of cells."""
     spreads = np.full(len(keys), math.pi)
     limit = radius * radius
+    # Where each line of three cells begins; the keys rise, and so do the lines' places.
+    firsts = np.zeros(9, np.int64)
     for voxel in range(len(keys)):
         total, count = 0.0, 0
         for row in range(-1, 2):
             for column in range(-1, 2):
                 middle = keys[voxel] + row * rows * columns + column * columns
-                other = np.searchsorted(keys, middle - 1)
+                line = 3 * row + column + 4
+                while firsts[line] < len(keys) and keys[firsts[line]] < middle - 1:
+                    firsts[line] += 1
+                other = firsts[line]
                 while other < len(keys) and keys[other] <= middle + 1:
                     x = positions[other, 0] - positions[voxel, 0]
                     y = positions[other, 1] - positions[voxel, 1]

@@ -166,15 +166,18 @@ def _rate(
             row, column = octahedral_texel(mx, my, mz, edge)
             texel = row * edge + column
             trust = bands[texel, channels]
-            for i in range(channels):
-                colour = colours[o, i % 3]
+            for channel in range(3):
+                colour = colours[o, channel]
                 if colour == 255:  # a bound alone
                     continue
-                slope = USUAL_GLOSS * bands[texel, i]
-                weight = trust / (variances[colour] + (HIGHLIGHT_ERROR * slope) ** 2)
-                mass[i] += weight
-                first[i] += weight * slope
-                second[i] += weight * slope * slope
+                variance = variances[colour]
+                for i in range(channel, channels, 3):
+                    slope = USUAL_GLOSS * bands[texel, i]
+                    spread = HIGHLIGHT_ERROR * slope
+                    weight = trust / (variance + spread * spread)
+                    mass[i] += weight
+                    first[i] += weight * slope
+                    second[i] += weight * slope * slope
         if counts[voxel] >= FEWEST_OBSERVATIONS:
             for i in range(channels):
                 if mass[i] > 0.0:

@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.inference.transport.light_patches import PatchResponse
-from reflest_core.inference.transport.mirrored_texels import mirrored_texels, vector
+from reflest_core.inference.transport.mirrored_texels import fill_axes, texels_of_lobes
 from reflest_core.inference.transport.patch_grid import PATCHES, patches_of_texels
 from reflest_core.inference.transport.visibility import Sight
 from reflest_core.inference.transport.ward_lobe import HALF_VECTORS, LEVELS
 from reflest_core.jit import compiled, kernel_array
 from reflest_core.light.completion import LightPyramid, halved_to
-from reflest_core.surface.tangent_frame import tangent_frame
 
 
 def reflection(
@@ -90,14 +89,15 @@ def _gather(
     own: NDArray[np.float32],
 ) -> NDArray[np.float32]:
     """Sum the samples of each lobe; ``own`` (1 or O, P, 3): of all observations or of each."""
-    size, samples, patches = int(math.sqrt(len(light))), half_vectors.shape[1], visible.shape[1]
+    samples, patches = half_vectors.shape[1], visible.shape[1]
     answers = np.zeros((3, len(normals), 1 + 2 * patches), np.float32)
-    weights, texels = np.empty(samples, np.float64), np.empty(samples, np.int32)
+    weights, texels = np.empty(samples, np.float32), np.empty(samples, np.int32)
+    sizes = np.full(samples, int(math.sqrt(len(light))), np.int32)
+    firsts, axes = np.zeros(samples, np.int32), np.empty((3, 3), np.float32)
     for observation in range(len(normals)):
-        frame = tangent_frame(normals[observation])
-        n, o = vector(normals, observation), vector(directions, observation)
+        fill_axes(normals[observation], axes)
         hiding = observation if len(own) > 1 else 0
-        mirrored_texels(frame, n, o, half_vectors, size, weights, texels)
+        texels_of_lobes(axes, directions[observation], half_vectors, sizes, firsts, weights, texels)
         for sample in range(samples):
             texel = texels[sample]
             patch = patch_of[texel]

@@ -10,23 +10,17 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.inference.transport.mirrored_texels import mirrored_texels, vector
+from reflest_core.inference.transport.mirrored_texels import fill_axes, texels_of_lobes
 from reflest_core.inference.transport.patch_grid import patches_of_texels
 from reflest_core.inference.transport.visibility import Sight
 from reflest_core.jit import compiled, kernel_array
 from reflest_core.light.completion import LightPyramid
-from reflest_core.surface.tangent_frame import tangent_frame
 
 ROUGHNESSES = (0.01, 0.03, 0.06, 0.09, 0.12, 0.15, 0.18, 0.21)
 """Of SynBRDF's materials, evenly; alpha, dimensionless."""
 LEVELS = (0, 0, 1, 1, 1, 2, 2, 2)
 """Of the light's pyramid for each roughness: texels narrower than its lobe."""
 RINGS, SECTORS = 5, 4
-
-_Levels = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]
-"""Of a :class:`LightPyramid`, the finest three, (N * N, 5) and so on."""
-_PatchesOfLevels = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]
-"""The patch of each of their texels."""
 
 
 def lobe_radiance(
@@ -53,31 +47,8 @@ def lobe_radiance(
         lobe.
     """
     sight = sight or Sight.open(len(normals))
-    if sight.is_coloured:
-        lobes = [
-            _coloured_lobe(
-                _flat(light.levels[level]),
-                _patches(light.levels[level]),
-                half,
-                kernel_array(normals, np.float32),
-                kernel_array(directions, np.float32),
-                kernel_array(sight.visible, np.float32),
-                kernel_array(sight.own, np.float32),
-            )
-            for level, half in zip(LEVELS, HALF_VECTORS, strict=True)
-        ]
-        return np.stack(lobes, axis=1)
-    fine, middle, coarse = light.levels[:3]
-    return _gather(
-        (_flat(fine), _flat(middle), _flat(coarse)),
-        (_patches(fine), _patches(middle), _patches(coarse)),
-        np.array(LEVELS),
-        HALF_VECTORS,
-        kernel_array(normals, np.float32),
-        kernel_array(directions, np.float32),
-        kernel_array(sight.visible, np.float32),
-        kernel_array(sight.own, np.float32),
-    )
+    levels = [light.levels[level] for level in LEVELS]
+    return _gathered(levels, HALF_VECTORS, normals, directions, sight)
 
 
 def reflected(
@@ -108,17 +79,7 @@ def reflected(
     texel = math.sqrt(4.0 * math.pi) / len(light.levels[0])
     coarseness = int(np.clip(math.log2(max(spacing / texel, 1.0)), 0, 2))
     level = light.levels[coarseness]
-    sight = Sight.open(len(normals))
-    gathered = _gather(
-        (_flat(level),) * 3,
-        (_patches(level),) * 3,
-        np.array([0]),
-        half,
-        kernel_array(normals, np.float32),
-        kernel_array(directions, np.float32),
-        sight.visible,
-        sight.own,
-    )
+    gathered = _gathered([level], half, normals, directions, Sight.open(len(normals)))
     return gathered[:, 0, :3]
 
 
@@ -155,76 +116,116 @@ def _patches(level: NDArray[np.float32]) -> NDArray[np.int64]:
     return patches_of_texels(len(level))
 
 
+def _gathered(
+    levels: Sequence[NDArray[np.float32]],
+    half: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    directions: NDArray[np.float32],
+    sight: Sight,
+) -> NDArray[np.float32]:
+    """Gather lobes (K, 3, S) of half vectors, each from its map (N, N, 5) of ``levels``."""
+    samples, sizes = half.shape[2], [len(level) for level in levels]
+    maps = dict(zip(sizes, levels, strict=True))
+    first_of, first = {}, 0
+    for size in maps:
+        first_of[size] = first
+        first += size * size
+    gather = _gather_coloured if sight.is_coloured else _gather
+    return gather(
+        np.concatenate([_flat(level) for level in maps.values()]),
+        np.concatenate([_patches(level) for level in maps.values()]),
+        np.repeat(np.array([first_of[size] for size in sizes], np.int32), samples),
+        np.repeat(np.array(sizes, np.int32), samples),
+        kernel_array(half.transpose(1, 0, 2).reshape(3, -1), np.float32),
+        samples,
+        kernel_array(normals, np.float32),
+        kernel_array(directions, np.float32),
+        kernel_array(sight.visible, np.float32),
+        kernel_array(sight.own, np.float32),
+    )
+
+
 @compiled
 def _gather(
-    lights: _Levels,
-    patches: _PatchesOfLevels,
-    level_of: NDArray[np.int64],
+    lights: NDArray[np.float32],
+    patch_of: NDArray[np.int64],
+    firsts: NDArray[np.int32],
+    sizes: NDArray[np.int32],
     half_vectors: NDArray[np.float32],
+    samples: int,
     normals: NDArray[np.float32],
     directions: NDArray[np.float32],
     visible: NDArray[np.float32],
     own: NDArray[np.float32],
 ) -> NDArray[np.float32]:
-    roughnesses, _, samples = half_vectors.shape
+    """Sum the samples of each lobe, ``samples`` of ``half_vectors`` (3, K * S) to each."""
+    roughnesses = len(sizes) // samples
     gathered = np.empty((len(normals), roughnesses, 5), np.float32)
-    weights, texels = np.empty(samples, np.float64), np.empty(samples, np.int32)
+    weights, texels = np.empty(len(sizes), np.float32), np.empty(len(sizes), np.int32)
+    axes = np.empty((3, 3), np.float32)
     for observation in range(len(normals)):
-        frame = tangent_frame(normals[observation])
-        n, o = vector(normals, observation), vector(directions, observation)
+        fill_axes(normals[observation], axes)
+        texels_of_lobes(axes, directions[observation], half_vectors, sizes, firsts, weights, texels)
         for roughness in range(roughnesses):
-            light, patch_of = lights[level_of[roughness]], patches[level_of[roughness]]
-            size = int(math.sqrt(len(light)))
-            mirrored_texels(frame, n, o, half_vectors[roughness], size, weights, texels)
-            total, red, green, blue, seen, clipped = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-            itself = 0.0
-            for sample in range(samples):
+            none = np.float32(0.0)
+            total, red, green, blue, seen, clipped = none, none, none, none, none, none
+            arriving = none
+            for sample in range(roughness * samples, (roughness + 1) * samples):
                 texel = texels[sample]
                 weight = weights[sample] * visible[observation, patch_of[texel]]
                 total += weights[sample]
-                itself += weights[sample] - weight
-                red += weight * light[texel, 0]
-                green += weight * light[texel, 1]
-                blue += weight * light[texel, 2]
-                seen += weight * light[texel, 3]
-                clipped += weight * light[texel, 4]
-            gathered[observation, roughness, 0] = (red + itself * own[0]) / samples
-            gathered[observation, roughness, 1] = (green + itself * own[1]) / samples
-            gathered[observation, roughness, 2] = (blue + itself * own[2]) / samples
-            gathered[observation, roughness, 3] = seen / max(total, 1e-6)
-            gathered[observation, roughness, 4] = clipped / max(total, 1e-6)
+                arriving += weight
+                red += weight * lights[texel, 0]
+                green += weight * lights[texel, 1]
+                blue += weight * lights[texel, 2]
+                seen += weight * lights[texel, 3]
+                clipped += weight * lights[texel, 4]
+            itself, place = total - arriving, gathered[observation, roughness]
+            place[0] = (red + itself * own[0]) / samples
+            place[1] = (green + itself * own[1]) / samples
+            place[2] = (blue + itself * own[2]) / samples
+            place[3] = seen / max(total, np.float32(1e-6))
+            place[4] = clipped / max(total, np.float32(1e-6))
     return gathered
 
 
 @compiled
-def _coloured_lobe(
-    light: NDArray[np.float32],
+def _gather_coloured(
+    lights: NDArray[np.float32],
     patch_of: NDArray[np.int64],
+    firsts: NDArray[np.int32],
+    sizes: NDArray[np.int32],
     half_vectors: NDArray[np.float32],
+    samples: int,
     normals: NDArray[np.float32],
     directions: NDArray[np.float32],
     visible: NDArray[np.float32],
     own: NDArray[np.float32],
 ) -> NDArray[np.float32]:
-    size, samples = int(math.sqrt(len(light))), half_vectors.shape[1]
-    gathered = np.zeros((len(normals), 5), np.float32)
-    weights, texels = np.empty(samples, np.float64), np.empty(samples, np.int32)
+    """Do as :func:`_gather` where what hides patches is seen, in the colours ``own`` (O, P, 3)."""
+    roughnesses = len(sizes) // samples
+    gathered = np.empty((len(normals), roughnesses, 5), np.float32)
+    weights, texels = np.empty(len(sizes), np.float32), np.empty(len(sizes), np.int32)
+    axes = np.empty((3, 3), np.float32)
     for observation in range(len(normals)):
-        frame = tangent_frame(normals[observation])
-        n, o = vector(normals, observation), vector(directions, observation)
-        mirrored_texels(frame, n, o, half_vectors, size, weights, texels)
-        total, known, clipped = 0.0, 0.0, 0.0
-        for sample in range(samples):
-            texel = texels[sample]
-            patch = patch_of[texel]
-            weight = weights[sample] * visible[observation, patch]
-            hidden = weights[sample] - weight
-            total += weights[sample]
-            known += weight * light[texel, 3] + hidden
-            clipped += weight * light[texel, 4]
-            for channel in range(3):
-                sent = weight * light[texel, channel] + hidden * own[observation, patch, channel]
-                gathered[observation, channel] += sent / samples
-        gathered[observation, 3] = known / max(total, 1e-6)
-        gathered[observation, 4] = clipped / max(total, 1e-6)
+        fill_axes(normals[observation], axes)
+        texels_of_lobes(axes, directions[observation], half_vectors, sizes, firsts, weights, texels)
+        for roughness in range(roughnesses):
+            none = np.float32(0.0)
+            total, red, green, blue, known, clipped = none, none, none, none, none, none
+            for sample in range(roughness * samples, (roughness + 1) * samples):
+                texel = texels[sample]
+                patch = patch_of[texel]
+                weight = weights[sample] * visible[observation, patch]
+                hidden = weights[sample] - weight
+                total += weights[sample]
+                red += weight * lights[texel, 0] + hidden * own[observation, patch, 0]
+                green += weight * lights[texel, 1] + hidden * own[observation, patch, 1]
+                blue += weight * lights[texel, 2] + hidden * own[observation, patch, 2]
+                known += weight * lights[texel, 3] + hidden
+                clipped += weight * lights[texel, 4]
+            place = gathered[observation, roughness]
+            place[0], place[1], place[2] = red / samples, green / samples, blue / samples
+            place[3] = known / max(total, np.float32(1e-6))
+            place[4] = clipped / max(total, np.float32(1e-6))
     return gathered
