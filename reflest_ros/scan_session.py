@@ -116,7 +116,8 @@ class ScanSession:
         pools = node.offered
         ScanServices(node, self, files, pools)
         MaterialServices(pools.quick, self.output.materials)
-        EstimateServices(pools.work, files, self.scanner, self.fusion, self.estimation)
+        threads = self.fusion, self.estimation
+        EstimateServices(pools, files, self.scanner, *threads, self.output)
         self._clock_watch = ClockWatch(node, settings.capture.clock_jump, self._ros_clock_jumped)
         self.estimation.start()
         self.fusion.start()

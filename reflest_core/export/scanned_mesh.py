@@ -70,11 +70,24 @@ class TriangleMesh:
 
 
 def scanned_mesh(scan: Scan, faces: int, is_watertight: bool = False) -> TriangleMesh:
-    """Extract the surface of a scan.
+    """Extract and decimate the surface of a scan.
 
     Args:
         scan: What was fused.
         faces: The mesh is decimated to about so many.
+        is_watertight: As in :func:`surface_mesh`.
+
+    Raises:
+        ExportError: Nothing was scanned, or a package of the extra ``asset`` is missing.
+    """
+    return decimated(surface_mesh(scan, is_watertight), faces)
+
+
+def surface_mesh(scan: Scan, is_watertight: bool = False) -> TriangleMesh:
+    """Extract the surface of a scan, in the resolution of its voxels.
+
+    Args:
+        scan: What was fused.
         is_watertight: Close the surface (screened Poisson reconstruction, Kazhdan and Hoppe 2013)
             where nothing was scanned.
 
@@ -93,7 +106,7 @@ def scanned_mesh(scan: Scan, faces: int, is_watertight: bool = False) -> Triangl
         )
     if not len(mesh.faces):
         raise ExportError("the scan holds no connected surface: scan more of the object")
-    return _decimated(mesh, faces)
+    return mesh
 
 
 def _marching_cubes(scan: Scan) -> TriangleMesh:
@@ -167,8 +180,16 @@ def _poisson(
     )
 
 
-def _decimated(mesh: TriangleMesh, faces: int) -> TriangleMesh:
-    """Quadric error metrics (Garland and Heckbert 1997)."""
+def decimated(mesh: TriangleMesh, faces: int) -> TriangleMesh:
+    """Simplify a mesh by quadric error metrics (Garland and Heckbert 1997).
+
+    Args:
+        mesh: Any mesh.
+        faces: About so many are left.
+
+    Raises:
+        ExportError: A package of the extra ``asset`` is missing.
+    """
     if len(mesh.faces) > faces:
         simplify: Any = library("fast_simplification").simplify
         vertices, triangles = simplify(mesh.vertices, mesh.faces, target_count=faces)

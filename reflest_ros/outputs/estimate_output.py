@@ -78,6 +78,7 @@ class EstimateOutput:
 
     Attributes:
         counts: Counters for the diagnostics.
+        latest: The newest estimate of this scan, None where there is none yet.
         materials: Publishes the materials.
     """
 
@@ -88,6 +89,7 @@ class EstimateOutput:
             node: The node.
         """
         self.counts = EstimateCounts()
+        self.latest: BrdfEstimate | None = None
         self._node = node
         self._failed_views: set[str] = set()
         self._views = [view(node) for view in VIEWS]
@@ -114,6 +116,7 @@ class EstimateOutput:
         if self.counts.published == 0:
             self._node.get_logger().info(f"first estimate after {estimate.view_count} views")
         self._publisher.publish(estimate_to_message(estimate))
+        self.latest = estimate
         self.counts.published += 1
         self.counts.last_latency = estimate.latency
         self.counts.last_time = time.monotonic()
@@ -142,6 +145,7 @@ class EstimateOutput:
 
     def clear(self) -> None:
         """Empty the views, and let the topic say that nothing is known of the new scan."""
+        self.latest = None
         self._publisher.publish(unknown_message())
         self.materials.clear()
         for view in self._views:

@@ -4,10 +4,8 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 
-from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.pipeline import KeyframeSnapshot, Pipeline
 from reflest_core.export.environment_file import LIGHT_FORMATS, export_environment
 from reflest_core.export.errors import ExportError
@@ -21,46 +19,54 @@ from reflest_core.export.exporter import (
 from reflest_core.export.libraries import open3d
 from reflest_core.whole_file import write_whole
 from reflest_ros.outputs.estimate_message import estimate_to_message, unknown_message
+from reflest_ros.outputs.estimate_output import EstimateOutput
 from reflest_ros.services.answers import answer_with
+from reflest_ros.services.estimate_requests import AnsweredEstimate, EstimateRequests
 from reflest_ros.services.file_access import FileAccess
-from reflest_ros.services.service_pool import ServicePool
+from reflest_ros.services.node_services import ESTIMATE_THREADS, NodeServices
 from reflest_ros.srv import Estimate, ExportEstimate
 from reflest_ros.workers.estimation_worker import EstimationWorker
-from reflest_ros.workers.fusion_worker import FusionWorker, Keyframe
+from reflest_ros.workers.fusion_worker import FusionWorker
 
 SPHERE = "sphere-"
 """Before a format: a sphere of one material in place of the scanned surface."""
 
 
 class EstimateServices:
-    """Both wait for fusion and estimation, while frames keep coming."""
+    """They wait for fusion and estimation, while frames keep coming."""
 
     def __init__(
         self,
-        pool: ServicePool,
+        pools: NodeServices,
         files: FileAccess,
         pipeline: Pipeline,
         fusion: FusionWorker,
         estimation: EstimationWorker,
+        output: EstimateOutput,
     ) -> None:
         """Create the services.
 
         Args:
-            pool: Answers them.
+            pools: Answer them.
             files: The files that may be written.
             pipeline: The scan.
             fusion: The thread that it belongs to.
             estimation: Estimates from it.
+            output: Has the newest estimate.
         """
         self._files = files
         self._pipeline = pipeline
         self._fusion = fusion
         self._estimation = estimation
-        pool.create(Estimate, "~/estimate", self.estimate)
-        pool.create(ExportEstimate, "~/export", self.export)
+        self._requests = EstimateRequests(fusion, estimation, output, ESTIMATE_THREADS - 1)
+        pools.estimates.create(Estimate, "~/estimate", self.estimate)
+        pools.work.create(ExportEstimate, "~/export", self.export)
 
     def estimate(self, _: Estimate.Request, response: Estimate.Response) -> Estimate.Response:
         """Estimate from everything that was scanned; the answer is published as well.
+
+        While images or other requests keep coming, it answers within a second: where its own
+        estimate takes longer, with the newest one, and the message says so.
 
         Args:
             _: empty.
@@ -69,9 +75,9 @@ class EstimateServices:
         response.estimate = unknown_message()
 
         def work() -> str:
-            estimate = self._estimate_now()
-            response.estimate = estimate_to_message(estimate)
-            return _summary(estimate)
+            answer = self._requests.now()
+            response.estimate = estimate_to_message(answer.estimate)
+            return _summary(answer)
 
         return answer_with(response, work)
 
@@ -103,24 +109,25 @@ class EstimateServices:
         return answer_with(response, work)
 
     def _export_sphere(self, format_name: str, path: Path) -> str:
-        estimate = self._estimate_now()
-        export_estimate(estimate, format_name, path)
-        return f"wrote {path}: {_summary(estimate)}"
+        answer = self._requests.now()
+        export_estimate(answer.estimate, format_name, path)
+        return f"wrote {path}: {_summary(answer)}"
 
     def _export_scan(self, format_name: str, path: Path) -> str:
-        """Only the copy and the mesh are made in the fusion thread; frames wait meanwhile."""
+        """Only the copy and the raw mesh are made in the fusion thread; frames wait meanwhile."""
         from reflest_core.export.scan_asset import AssetSettings, mesh_asset
-        from reflest_core.export.scanned_mesh import TriangleMesh, scanned_mesh
+        from reflest_core.export.scanned_mesh import TriangleMesh, decimated, surface_mesh
 
         open3d()
         pipeline = self._pipeline
         settings = AssetSettings(up=pipeline.settings.estimation.up)
 
         def copied() -> tuple[KeyframeSnapshot, TriangleMesh, float]:
-            mesh = scanned_mesh(pipeline.scan, settings.faces)
+            mesh = surface_mesh(pipeline.scan)
             return pipeline.snapshot(EVERY_VOXEL), mesh, pipeline.scan.fusion.voxel_size
 
         snapshot, mesh, voxel_size = self._fusion.call(copied).result()
+        mesh = decimated(mesh, settings.faces)
         found = self._estimation.call(lambda: pipeline.materials(snapshot)).result()
         asset = mesh_asset(mesh, voxel_size, found, asset_name(path), settings)
         (main, *others) = checked_format(path, format_name).files(asset, path.name).items()
@@ -137,14 +144,10 @@ class EstimateServices:
         light = surface.light
         return f"wrote {path}: light of which {light.seen_share if light else 0.0:.0%} was seen"
 
-    def _estimate_now(self) -> BrdfEstimate:
-        asked = time.monotonic()
-        snapshot = self._fusion.call(self._fusion.snapshot).result()
-        return self._estimation.request(Keyframe(snapshot, asked)).result()
 
-
-def _summary(estimate: BrdfEstimate) -> str:
+def _summary(answer: AnsweredEstimate) -> str:
+    estimate = answer.estimate
     return (
         f"{estimate.model_id}, {estimate.ward_variant}, from {estimate.voxel_count} voxels"
-        f" and {estimate.view_count} views"
+        f" and {estimate.view_count} views{'; ' if answer.note else ''}{answer.note}"
     )

@@ -15,16 +15,17 @@ from rclpy.service import Service
 
 from reflest_ros.services.service_pool import Answer, ServicePool
 
-QUICK_THREADS, CONTROL_THREADS, WORK_THREADS = 2, 4, 4
+QUICK_THREADS, CONTROL_THREADS, ESTIMATE_THREADS, WORK_THREADS = 2, 4, 8, 4
 """Services of each kind that are answered at once."""
 
 
 class NodeServices:
-    """Three pools, so that what is slow holds up nothing that is quick.
+    """Four pools, so that what is slow holds up nothing that is quick.
 
     Attributes:
         quick: Answers from what is in memory: state, parameters.
         control: Changes the node: transitions, parameters, the scan.
+        estimates: Waits for estimates.
         work: Waits for fusion, estimation and disks.
     """
 
@@ -45,6 +46,7 @@ class NodeServices:
         """
         self.quick = ServicePool(node, "quick services", QUICK_THREADS, on_crash)
         self.control = ServicePool(node, "control services", CONTROL_THREADS, on_crash)
+        self.estimates = ServicePool(node, "estimate services", ESTIMATE_THREADS, on_crash)
         self.work = ServicePool(node, "work services", WORK_THREADS, on_crash)
         for service in services:
             if service.srv_type is ChangeState:
@@ -84,7 +86,7 @@ class NodeServices:
 
     @property
     def _pools(self) -> tuple[ServicePool, ...]:
-        return (self.quick, self.control, self.work)
+        return (self.quick, self.control, self.estimates, self.work)
 
 
 def _not_changed(_: Any, response: Any, reason: str) -> None:

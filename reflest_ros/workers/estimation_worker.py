@@ -19,6 +19,8 @@ from reflest_ros.workers.fusion_worker import Keyframe
 
 T = TypeVar("T")
 Estimate = Callable[[KeyframeSnapshot], BrdfEstimate]
+LONGEST_STOP = 0.5
+"""Seconds that a transition waits for the estimate that is being made."""
 Further = Callable[[], Callable[[], None] | None]
 
 
@@ -93,12 +95,18 @@ class EstimationWorker:
         self._thread.start()
 
     def stop(self) -> None:
-        """End the thread after the current estimate; the futures of waiting requests fail."""
+        """End the thread after the current estimate; the futures of waiting requests fail.
+
+        An estimate that takes longer than :data:`LONGEST_STOP` goes on alone and is not published.
+        """
         with self._changed:
             self._is_stopped = True
             self._changed.notify()
         if self._thread.ident is not None:
-            self._thread.join()
+            self._thread.join(LONGEST_STOP)
+        if self._thread.is_alive():
+            with self._output_lock, self._changed:
+                self._generation += 1
         for waiting in (self._requests, self._jobs):
             while waiting:
                 waiting.popleft()[1].set_exception(_shutting_down())

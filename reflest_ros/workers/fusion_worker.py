@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 import traceback
@@ -27,6 +28,9 @@ MOST_ARRIVALS = 1000
 
 PATIENCE = 0.5
 """Seconds that a request waits for earlier messages while further ones keep coming."""
+
+RECENT = 0.3
+"""Seconds since the last message within which messages count as coming."""
 
 T = TypeVar("T")
 
@@ -110,6 +114,7 @@ class FusionWorker:
         self._taken = 0
         self._arrivals: dict[int, float] = {}
         self._unreported_drops = 0
+        self._last_offer = -math.inf
         self._is_stopping = False
         self._thread = worker_thread("fusion", self._run, on_crash)
 
@@ -117,6 +122,11 @@ class FusionWorker:
     def waiting(self) -> int:
         """Messages and requests that wait."""
         return len(self._messages) + len(self._jobs)
+
+    @property
+    def is_receiving(self) -> bool:
+        """Whether messages keep coming."""
+        return time.monotonic() - self._last_offer < RECENT
 
     def start(self) -> None:
         """Start the thread."""
@@ -141,6 +151,7 @@ class FusionWorker:
             message: Its image bytes are not copied.
         """
         self.counts.messages[role] += 1
+        self._last_offer = time.monotonic()
         with self._changed:
             if len(self._messages) >= self._queue_size:
                 self.counts.dropped += 1

@@ -295,6 +295,28 @@ def test_a_request_that_waits_when_the_worker_stops_is_answered(estimating):
         waiting.result(60)
 
 
+def test_a_stop_does_not_wait_for_a_long_estimate_which_is_not_published(estimating):
+    begun, release = threading.Event(), threading.Event()
+
+    def estimate(snapshot):
+        begun.set()
+        release.wait(60)
+        return ESTIMATE
+
+    worker, published = estimating(estimate, 1)
+    assert begun.wait(60)
+    request = worker.request(keyframe(2))
+    started = time.monotonic()
+    worker.stop()
+    assert time.monotonic() - started < 10.0
+    with pytest.raises(ReflestError, match="shutting down"):
+        request.result(0)
+    release.set()
+    worker._thread.join(60)
+    assert worker.discarded == 1
+    assert published.estimates == published.failures == published.crashes == []
+
+
 class SlowPipeline:
     """Takes a while for each frame, as a slow computer does."""
 
