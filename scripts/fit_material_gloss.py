@@ -21,10 +21,10 @@ from scipy.spatial import cKDTree
 from tqdm import tqdm
 
 from reflest_core.capture.open_capture import open_capture
-from reflest_core.estimation.pipeline import Pipeline
+from reflest_core.estimation.pipeline import EVERY_VOXEL, Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.evaluation.statistics.material_clouds import read_cloud
-from reflest_core.evaluation.studies.table_scenes import EVERY_VOXEL, TRUTH, find_tables
+from reflest_core.evaluation.studies.table_scenes import TRUTH, find_tables
 from reflest_core.inference.gloss.view_changes import view_changes
 from reflest_core.inference.light import infer_light, seen_light
 from reflest_core.inference.material import explain_material

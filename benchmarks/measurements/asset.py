@@ -9,9 +9,9 @@ from typing import Any
 
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.capture.refusal import FrameRefused
-from reflest_core.estimation.pipeline import Pipeline
+from reflest_core.estimation.pipeline import EVERY_VOXEL, Pipeline
 from reflest_core.estimation.settings import ReflestSettings
-from reflest_core.export.exporter import EVERY_VOXEL, FORMATS
+from reflest_core.export.exporter import FORMATS
 from reflest_core.export.scan_asset import AssetSettings, scan_asset
 
 

@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 from reflest_core.brdf import srgb
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.open_capture import open_capture
-from reflest_core.estimation.pipeline import Pipeline
+from reflest_core.estimation.pipeline import EVERY_VOXEL, Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.evaluation.pictures.image_distance import image_distance
-from reflest_core.export.exporter import EVERY_VOXEL, export_scan
+from reflest_core.export.exporter import export_scan
 from reflest_core.synbrdf.path_tracing.ward_bsdf import mi
 
 WIDTH, HEIGHT = 480, 360

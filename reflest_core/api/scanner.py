@@ -20,10 +20,10 @@ from reflest_core.api.arguments import (
 from reflest_core.capture.frame import Frame
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.material_map import MaterialMap
-from reflest_core.estimation.pipeline import Pipeline
+from reflest_core.estimation.pipeline import EVERY_VOXEL, Pipeline
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.export.environment_file import export_environment
-from reflest_core.export.exporter import EVERY_VOXEL, checked_format, export_scan
+from reflest_core.export.exporter import checked_format, export_scan
 from reflest_core.export.scan_asset import AssetSettings
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.fusion.snapshot import MATERIAL_VOXELS

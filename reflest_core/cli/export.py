@@ -118,8 +118,9 @@ def _sphere(options: argparse.Namespace) -> Asset:
 
 
 def _surface(options: argparse.Namespace) -> Asset:
+    from reflest_core.estimation.pipeline import EVERY_VOXEL
     from reflest_core.export.errors import ExportError
-    from reflest_core.export.exporter import EVERY_VOXEL, checked_format, export_scan
+    from reflest_core.export.exporter import checked_format, export_scan
     from reflest_core.export.scan_asset import FACES, AssetSettings
 
     if options.environment is not None:

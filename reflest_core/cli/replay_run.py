@@ -24,9 +24,8 @@ from reflest_core.cli.replay_report import (
     replay_record,
 )
 from reflest_core.estimation.estimator import NoEstimate
-from reflest_core.estimation.pipeline import Pipeline
+from reflest_core.estimation.pipeline import EVERY_VOXEL, Pipeline
 from reflest_core.export.environment_file import export_environment, light_format
-from reflest_core.export.exporter import EVERY_VOXEL
 from reflest_core.export.material_ply import export_materials
 
 

@@ -7,37 +7,30 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.brdf.deviations import labcd_stddev
-from reflest_core.brdf.gloss import ward_to_labcd
 from reflest_core.errors import ReflestError
-from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
+from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.material_map import (
     MOST_MATERIALS,
     MaterialEstimate,
     MaterialMap,
     nearest_material,
 )
-from reflest_core.estimation.physical_ward import physical_ward
-from reflest_core.estimation.reliability import Evidence, warnings_of
+from reflest_core.estimation.publisher import Header, Publisher
 from reflest_core.estimation.scan_memory import GlossAnswer, ScanMemory
-from reflest_core.estimation.scene_estimates import SceneEstimate, SceneEstimates
+from reflest_core.estimation.scene_estimates import SceneEstimates
 from reflest_core.estimation.settings import EstimationSettings
-from reflest_core.inference.gloss.network_update import roughness_problem, with_posterior
-from reflest_core.inference.gloss.posterior import GlossPosterior, gloss_posterior
+from reflest_core.inference.gloss.posterior import gloss_posterior
 from reflest_core.inference.light import SceneLight, infer_light, seen_light
 from reflest_core.inference.material import explain_material
 from reflest_core.inference.mixed_materials import albedos_of_material
 from reflest_core.inference.transport.surface_irradiance import SurfaceSight
 from reflest_core.models.linear_algebra import one_blas_thread
-from reflest_core.models.predictor import Prediction, Predictor
+from reflest_core.models.predictor import Predictor
 from reflest_core.segmentation.segmenter import Segmenter, in_key_order
-from reflest_core.surface.colour_problems import colour_problems
-from reflest_core.surface.coverage import hemisphere_coverage
 from reflest_core.surface.extent import voxel_extent
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import UNASSIGNED, WHOLE, Partition
@@ -61,6 +54,7 @@ class Estimator:
         self.settings = settings
         weights = Path(settings.weights) if settings.weights else None
         self.predictor = Predictor(settings.model, weights, settings.device, settings.threads)
+        self._publisher = Publisher(self.predictor, settings)
 
     def estimate(
         self, surface: ObservedSurface, stamp_ns: int, frame_id: str, light_problem: str = ""
@@ -78,9 +72,9 @@ class Estimator:
         """
         self._check_voxels(surface)
         surface = upright(surface, self.settings.up)
-        header = stamp_ns, frame_id, light_problem
+        header = Header(stamp_ns, frame_id, light_problem)
         if not self.predictor.sees_light:
-            return self._published(surface, self.predictor.predict(surface), None, header)
+            return self._publisher.estimate(surface, self.predictor.predict(surface), None, header)
         with one_blas_thread():
             light = infer_light(surface, seen_light(surface))
             found = explain_material(light, WHOLE)
@@ -93,7 +87,7 @@ class Estimator:
         )
         found = replace(found, posterior=gloss)
         prediction = self.predictor.predict(surface, found)
-        return self._published(surface, prediction, gloss, header, _mixture(light))
+        return self._publisher.estimate(surface, prediction, gloss, header, _mixture(light, WHOLE))
 
     def materials(
         self,
@@ -118,7 +112,7 @@ class Estimator:
         """
         self._check_voxels(surface)
         turned = upright(surface, self.settings.up)
-        header = stamp_ns, frame_id, light_problem
+        header = Header(stamp_ns, frame_id, light_problem)
         with one_blas_thread():
             light = None
             if self.predictor.sees_light:
@@ -153,7 +147,7 @@ class Estimator:
         surface = in_key_order(surface)
         turned = upright(surface, self.settings.up)
         observed = seen_light(turned)
-        header = stamp_ns, frame_id, light_problem
+        header = Header(stamp_ns, frame_id, light_problem)
         with one_blas_thread():
             scene = memory.segmenter.segment(turned, observed)
             partition, light = scene.partition, None
@@ -204,7 +198,7 @@ class Estimator:
         surface = in_key_order(surface)
         turned = upright(surface, self.settings.up)
         observed = seen_light(turned)
-        header = stamp_ns, frame_id, light_problem
+        header = Header(stamp_ns, frame_id, light_problem)
         with one_blas_thread():
             scene = Segmenter().segment(turned, observed)
             ids = scene.partition.ids_of(turned.voxel_keys)
@@ -228,7 +222,7 @@ class Estimator:
         surfaces: tuple[ObservedSurface, ObservedSurface],
         partition: Partition,
         light: SceneLight | None,
-        header: tuple[int, str, str],
+        header: Header,
         sight: SurfaceSight | None = None,
         answers: dict[int, GlossAnswer] | None = None,
     ) -> MaterialMap:
@@ -252,7 +246,7 @@ class Estimator:
             voxels, error = np.flatnonzero(ids == material_id), math.nan
             if light is None or scene is None:
                 prediction = self.predictor.predict(part)
-                estimate = self._published(part, prediction, None, header)
+                estimate = self._publisher.estimate(part, prediction, None, header)
                 rho_d[voxels], stddev[voxels] = estimate.rho_d, estimate.rho_d_stddev
             else:
                 if material_id in answers:
@@ -266,16 +260,15 @@ class Estimator:
                     prediction = self.predictor.predict(part, explained)
                     answers[material_id] = prediction, gloss
                 found = scene.of_material(material_id, voxels, prediction, gloss)
-                mixture = _mixture(light) if light.joint is None else ""
-                estimate = self._published(part, prediction, found, header, mixture)
+                mixture = _mixture(light, material_id) if light.joint is None else ""
+                estimate = self._publisher.estimate(part, prediction, found, header, mixture)
                 rho_d[voxels], stddev[voxels] = found.rho_d, found.rho_d_stddev
                 error = found.photometric_error
             materials.append(_material(material_id, surface.positions[voxels], estimate, error))
         materials.sort(key=lambda material: (-material.area, material.id))
-        stamp_ns, frame_id, _ = header
         return MaterialMap(
-            stamp_ns,
-            frame_id,
+            header.stamp_ns,
+            header.frame_id,
             surface,
             partition,
             tuple(materials[:MOST_MATERIALS]),
@@ -299,79 +292,6 @@ class Estimator:
                 "interest and fusion.max_depth"
             )
 
-    def _published(
-        self,
-        surface: ObservedSurface,
-        prediction: Prediction,
-        gloss: GlossPosterior | SceneEstimate | None,
-        header: tuple[int, str, str],
-        mixture: str = "",
-    ) -> BrdfEstimate:
-        stamp_ns, frame_id, light_problem = header
-        ward, stddev = physical_ward(prediction.ward), prediction.stddev
-        error = math.nan
-        if isinstance(gloss, SceneEstimate):
-            error = gloss.photometric_error
-            ward, stddev, gloss = gloss.ward, gloss.stddev, gloss.gloss
-        elif gloss is not None and stddev is not None and not prediction.has_posterior:
-            ward, stddev = with_posterior(ward, stddev, gloss)
-        colours = colour_problems(surface)
-        if colours and stddev is not None:  # no material can be told from them
-            stddev = np.maximum(stddev, self.predictor.card.statistics["ward"].stddev)
-        red, green, blue, rho_s, alpha = ward.tolist()
-        lightness, a, b, c, d = ward_to_labcd(ward).tolist()
-        coverage = hemisphere_coverage(surface, prediction.voxels)
-        evidence = Evidence(
-            len(prediction.voxels),
-            self.predictor.voxels,
-            coverage,
-            prediction.light,
-            colours,
-            "" if gloss is None else roughness_problem(ward, stddev, gloss),
-            light_problem,
-            mixture,
-            error,
-        )
-        found = list(warnings_of(evidence, self.settings))
-        return BrdfEstimate(
-            stamp_ns=stamp_ns,
-            frame_id=frame_id,
-            schema_version=SCHEMA_VERSION,
-            model_id=self.predictor.model_id,
-            ward_variant=self.predictor.card.variant.value,
-            rho_d=(red, green, blue),
-            rho_s=rho_s,
-            alpha=alpha,
-            lab=(lightness, a, b),
-            c=c,
-            d=d,
-            voxel_count=surface.voxel_count,
-            observation_count=len(surface.colours),
-            view_count=surface.observing_views,
-            coverage=coverage,
-            status=found[0][0] if found else EstimateStatus.OK,
-            status_text="; ".join(sentence for _, sentence in found),
-            **self._deviations(ward, stddev),
-        )
-
-    def _deviations(
-        self, ward: NDArray[np.float64], stddev: NDArray[np.float64] | None
-    ) -> dict[str, Any]:
-        """The estimate's fields of standard deviations; none where the network knows none."""
-        if stddev is None:
-            return {}
-        red, green, blue, rho_s, alpha = stddev.tolist()
-        correlation = self.predictor.card.calibration.correlation
-        lightness, a, b, c, d = labcd_stddev(ward, stddev, correlation).tolist()
-        return {
-            "rho_d_stddev": (red, green, blue),
-            "rho_s_stddev": rho_s,
-            "alpha_stddev": alpha,
-            "lab_stddev": (lightness, a, b),
-            "c_stddev": c,
-            "d_stddev": d,
-        }
-
 
 def _material(
     material_id: int, positions: NDArray[np.float32], estimate: BrdfEstimate, error: float
@@ -388,9 +308,9 @@ def _material(
     )
 
 
-def _mixture(light: SceneLight) -> str:
+def _mixture(light: SceneLight, material_id: int) -> str:
     """Why the only material of a scene is more than one, as a clause, or ""."""
-    found = albedos_of_material(light, WHOLE)
+    found = albedos_of_material(light, material_id)
     if found is None or not found.is_mixed:
         return ""
     return f"{found.share:.0%} of the surface is of another colour"

@@ -35,6 +35,8 @@ from reflest_core.surface.partition import Partition
 
 LONGEST_TEXT = 512
 """The message's bound on ``status_text``."""
+EVERY_VOXEL = 1 << 24
+"""More voxels than a scan's memory budget holds."""
 
 
 @dataclass(frozen=True)

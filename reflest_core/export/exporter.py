@@ -24,10 +24,6 @@ if TYPE_CHECKING:
     from reflest_core.fusion.scan import Scan
 
 
-EVERY_VOXEL = 1 << 24
-"""More voxels than a scan's memory budget holds: textures are sharp where the map is of all."""
-
-
 @dataclass(frozen=True)
 class Format:
     """A file format.

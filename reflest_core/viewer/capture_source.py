@@ -17,10 +17,9 @@ from reflest_core.capture.refusal import CaptureError, FrameRefused
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimator import NoEstimate
 from reflest_core.estimation.material_map import MaterialMap
-from reflest_core.estimation.pipeline import KeyframeSnapshot, Pipeline
+from reflest_core.estimation.pipeline import EVERY_VOXEL, KeyframeSnapshot, Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.export.errors import ExportError
-from reflest_core.export.exporter import EVERY_VOXEL
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.viewer.errors import ViewerError
 from reflest_core.viewer.shown_scan import ShownScan

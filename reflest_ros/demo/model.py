@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
-from reflest_core.estimation.pipeline import Pipeline
+from reflest_core.estimation.pipeline import EVERY_VOXEL, Pipeline
 from reflest_core.estimation.settings import ReflestSettings
-from reflest_core.export.exporter import EVERY_VOXEL, export_scan
+from reflest_core.export.exporter import export_scan
 from reflest_core.light.octahedral import octahedral_texels
 from reflest_core.rendering.mesh_image import mesh_image, ray_directions
 from reflest_core.surface.upright import rotation_to_z

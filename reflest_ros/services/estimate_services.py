@@ -6,11 +6,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from reflest_core.estimation.pipeline import KeyframeSnapshot, Pipeline
+from reflest_core.estimation.pipeline import EVERY_VOXEL, KeyframeSnapshot, Pipeline
 from reflest_core.export.environment_file import LIGHT_FORMATS, export_environment
 from reflest_core.export.errors import ExportError
 from reflest_core.export.exporter import (
-    EVERY_VOXEL,
     FORMATS,
     asset_name,
     checked_format,

@@ -25,7 +25,7 @@ from reflest_core.capture.refusal import FrameRefused
 from reflest_core.environment.environment_map import from_octahedral
 from reflest_core.estimation.estimator import NoEstimate
 from reflest_core.estimation.material_map import MaterialMap
-from reflest_core.estimation.pipeline import Pipeline
+from reflest_core.estimation.pipeline import EVERY_VOXEL, Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.evaluation.statistics.map_stability import Change, change_between
@@ -43,8 +43,6 @@ from reflest_core.surface.selection import keep_voxels
 from reflest_core.synbrdf.lights.environments import find_environments, load_environment, rotated
 
 TRUTH = "truth.ply"
-EVERY_VOXEL = 1 << 24
-"""More voxels than a scan's memory budget holds."""
 NORMALS = 200
 """Directions that the irradiance is compared on."""
 VARIANTS = ("materials", "true_segments", "alone", "whole")
