@@ -97,7 +97,12 @@ class Ggx:
     """The microfacet model of glTF 2.0 without metal: ``base (1 - F) / pi + F D V``.
 
     ``F`` is Schlick's Fresnel term; vectors of ``base`` (3), ``f0``, ``alpha``.
+
+    Attributes:
+        f90: Of the Fresnel term at the horizon; None for ``f0`` at every angle.
     """
+
+    f90: float | None = 1.0
 
     @property
     def name(self) -> str:
@@ -122,7 +127,7 @@ class Ggx:
         Returns:
             (..., 3) in 1/sr; 0 where a direction lies below the surface.
         """
-        fresnel = _schlick(material[..., F0], omega_i, omega_o)
+        fresnel = self.fresnel(material[..., F0], omega_i, omega_o)
         above = (omega_i[..., 2] > 0) & (omega_o[..., 2] > 0)
         diffuse = material[..., BASE] * (1 - fresnel)[..., None] / math.pi
         lobe = fresnel * ggx_lobe(material[..., WIDTH], omega_i, omega_o)
@@ -140,7 +145,7 @@ class Ggx:
             (..., 3) directions and (...) their weights ``f_s cos theta_i / density``.
         """
         omega_i = sample_ggx(material[WIDTH], omega_o, u)
-        reflected = _schlick(material[F0], omega_i, omega_o) * ggx_lobe(
+        reflected = self.fresnel(material[F0], omega_i, omega_o) * ggx_lobe(
             material[WIDTH], omega_i, omega_o
         )
         density = ggx_density(material[WIDTH], omega_i, omega_o)
@@ -162,15 +167,29 @@ class Ggx:
         diffuse = material[BASE] * self._passed(material[F0], cos_theta_o)
         return np.asarray(specular[:, None] + diffuse)
 
-    @staticmethod
-    def _passed(f0: float, cos_theta_o: NDArray[np.float64]) -> NDArray[np.float64]:
+    def fresnel(self, f0: Array, omega_i: Array, omega_o: Array) -> Array:
+        """The share that facets between two directions reflect (Schlick 1994).
+
+        Args:
+            f0: (...) share at normal incidence.
+            omega_i: (..., 3) directions of incidence.
+            omega_o: (..., 3) directions to the camera, in the same frame.
+
+        Returns:
+            (...) in [0, 1].
+        """
+        half_dot_o = np.linalg.norm(omega_i + omega_o, axis=-1) / 2
+        f90 = f0 if self.f90 is None else self.f90
+        return f0 + (f90 - f0) * np.clip(1 - half_dot_o, 0, 1) ** 5
+
+    def _passed(self, f0: float, cos_theta_o: NDArray[np.float64]) -> NDArray[np.float64]:
         """(K, 1) cosine-weighted mean over the hemisphere of what the facets let through."""
         u = sampling.strata()
         radius, turn = np.sqrt(u[:, 0]), 2 * math.pi * u[:, 1]
         omega_i = np.stack(
             [radius * np.cos(turn), radius * np.sin(turn), np.sqrt(1 - u[:, 0])], axis=-1
         )
-        fresnel: NDArray[np.float64] = _schlick(f0, omega_i, view_directions(cos_theta_o))
+        fresnel: NDArray[np.float64] = self.fresnel(f0, omega_i, view_directions(cos_theta_o))
         return np.asarray(1 - fresnel.mean(axis=1, keepdims=True))
 
 
@@ -179,8 +198,3 @@ MODELS: dict[str, BrdfModel] = {
     Ggx().name: Ggx(),
 }
 """Every model by its name."""
-
-
-def _schlick(f0: Array, omega_i: Array, omega_o: Array) -> Array:
-    half_dot_o = np.linalg.norm(omega_i + omega_o, axis=-1) / 2
-    return f0 + (1 - f0) * np.clip(1 - half_dot_o, 0, 1) ** 5

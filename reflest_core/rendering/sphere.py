@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from reflest_core.brdf.models import Ward
 from reflest_core.brdf.parameters import WardParameters
+from reflest_core.brdf.protocol import BrdfModel
 from reflest_core.brdf.srgb import encode
 from reflest_core.light.equirectangular import nearest_radiance
 from reflest_core.rendering.environments import irradiance
@@ -41,14 +42,35 @@ def render_environment(
     Returns:
         (size, size, 3) linear radiance.
     """
-    inside = on_sphere(size)
-    normals = _sphere_normals(size)
+    diffuse = np.array(parameters.rho_d) / np.pi * irradiance(environment, sphere_normals(size))
+    model = Ward(parameters.variant)
+    return render_lobe(model, np.array(parameters.vector), environment, diffuse, size)
+
+
+def render_lobe(
+    model: BrdfModel,
+    material: NDArray[np.float64],
+    environment: NDArray[np.float32],
+    diffuse: NDArray[np.float64],
+    size: int,
+) -> Image:
+    """Render any model's specular lobe over given diffuse light (:func:`render_environment`).
+
+    Args:
+        model: The BRDF.
+        material: (P,) vector of its parameters.
+        environment: (H, 2 H, 3) linear radiance, equirectangular.
+        diffuse: (N, 3) linear radiance at the pixels of :func:`on_sphere`.
+        size: Pixels along an edge.
+
+    Returns:
+        (size, size, 3) linear radiance.
+    """
+    normals = sphere_normals(size)
     frames = _local_frames(normals)
     omega_o = np.einsum("pij,j->pi", frames, TOWARDS_CAMERA)[:, None]
     shifts = np.random.default_rng(0).random((len(normals), 1, 2))
-
-    model, material = Ward(parameters.variant), np.array(parameters.vector)
-    radiance = np.array(parameters.rho_d) / np.pi * irradiance(environment, normals)
+    radiance = np.array(diffuse)
     for first in range(0, len(normals), PIXELS_AT_ONCE):
         some = slice(first, first + PIXELS_AT_ONCE)
         mirrored, weights = model.sample(material, omega_o[some], _strata(shifts[some]))
@@ -56,7 +78,7 @@ def render_environment(
         radiance[some] += (weights[..., None] * arriving).mean(axis=1)
 
     image = nearest_radiance(environment, _background_directions(size))
-    image[inside] = radiance
+    image[on_sphere(size)] = radiance
     return image
 
 
@@ -73,12 +95,32 @@ def render_point_light(
     Returns:
         (size, size, 3) linear radiance.
     """
-    normals = _sphere_normals(size)
-    frames = _local_frames(normals)
+    model = Ward(parameters.variant)
+    return render_lamp(model, np.array(parameters.vector), direction, size)
+
+
+def render_lamp(
+    model: BrdfModel,
+    material: NDArray[np.float64],
+    direction: tuple[float, float, float],
+    size: int,
+) -> Image:
+    """Render any model, as :func:`render_point_light`.
+
+    Args:
+        model: The BRDF.
+        material: (P,) vector of its parameters.
+        direction: Towards the light, world frame, any length.
+        size: Pixels along an edge.
+
+    Returns:
+        (size, size, 3) linear radiance.
+    """
+    frames = _local_frames(sphere_normals(size))
     towards_light = np.array(direction) / np.linalg.norm(direction)
     omega_i = np.einsum("pij,j->pi", frames, towards_light)
     omega_o = np.einsum("pij,j->pi", frames, TOWARDS_CAMERA)
-    value = Ward(parameters.variant).evaluate(np.array(parameters.vector), omega_i, omega_o)
+    value = model.evaluate(material, omega_i, omega_o)
     image = np.zeros((size, size, 3))
     image[on_sphere(size)] = np.pi * value * np.clip(omega_i[:, 2:], 0, None)
     return image
@@ -118,8 +160,15 @@ def _places(size: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return x, down
 
 
-def _sphere_normals(size: int) -> NDArray[np.float64]:
-    """World normals (P, 3) of the pixels on the sphere."""
+def sphere_normals(size: int) -> NDArray[np.float64]:
+    """World normals of the pixels of :func:`on_sphere`.
+
+    Args:
+        size: Pixels along an edge.
+
+    Returns:
+        (N, 3) unit.
+    """
     inside = on_sphere(size)
     x, down = (place[inside] for place in _places(size))
     return np.stack([x, -np.sqrt(1 - x**2 - down**2), -down], axis=-1)

@@ -3,9 +3,9 @@
 """USD: one mesh with a subset and a material for each of the scan's, z up, metres.
 
 Each material has a ``UsdPreviewSurface`` and, for the render context ``mtlx``, an OpenPBR surface
-(MaterialX). Both take the square root of the GGX width as roughness. The preview surface has the
-specular workflow with F0 as specular colour, OpenPBR the index of refraction of that F0. The
-Fresnel terms of both rise to 1 at the horizon, which Ward's does not.
+(MaterialX). Both take the square root of the GGX width as roughness and the index of refraction
+that has the wanted F0. (The preview surface's specular workflow would give the same, but not every
+reader knows it.) The Fresnel terms of both rise to 1 at the horizon, which Ward's does not.
 """
 
 from __future__ import annotations
@@ -135,8 +135,8 @@ def _preview_surface(stage: Any, path: str, of: MicrofacetMaterial, texture: str
     types = sdf.ValueTypeNames
     shader = shading.Shader.Define(stage, f"{path}/preview")
     shader.CreateIdAttr("UsdPreviewSurface")
-    shader.CreateInput("useSpecularWorkflow", types.Int).Set(1)
-    shader.CreateInput("specularColor", types.Color3f).Set(gf.Vec3f(of.f0))
+    shader.CreateInput("metallic", types.Float).Set(0.0)
+    shader.CreateInput("ior", types.Float).Set(index_of_refraction(of.f0))
     shader.CreateInput("roughness", types.Float).Set(of.roughness)
     shader.CreateOutput("surface", types.Token)
     diffuse = shader.CreateInput("diffuseColor", types.Color3f)

@@ -33,7 +33,7 @@ def test_a_reader_finds_the_sphere_and_its_material(name, tmp_path):
     assert sphere.volume == pytest.approx(4 / 3 * np.pi * 0.05**3, rel=0.01)
     material = sphere.visual.material
     assert material.metallicFactor == 0
-    assert material.roughnessFactor == pytest.approx((0.88 * 0.09243) ** 0.5, abs=1e-4)
+    assert material.roughnessFactor == pytest.approx((0.7 * 0.09243) ** 0.5, abs=1e-4)
 
 
 def test_the_json_holds_the_mapped_values(tmp_path):
@@ -42,7 +42,7 @@ def test_the_json_holds_the_mapped_values(tmp_path):
     document = json.loads(path.read_text())
     assert document["asset"]["version"] == "2.0"
     (material,) = document["materials"]
-    f0 = 0.2 * 0.6637
+    f0 = 0.2 * 0.6595
     base = material["pbrMetallicRoughness"]["baseColorFactor"]
     assert base == pytest.approx([0.4 / (1 - f0), 0.08 / (1 - f0), 0.04 / (1 - f0), 1.0])
 

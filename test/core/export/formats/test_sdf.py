@@ -51,7 +51,7 @@ def test_the_model_has_a_visual_and_a_collision_for_each_material(folder):
     assert len(link.findall("collision")) == 2
     metal = link.find("visual/material/pbr/metal")
     assert metal.findtext("metalness") == "0"
-    assert float(metal.findtext("roughness")) == pytest.approx((0.88 * 0.09243) ** 0.5, abs=1e-4)
+    assert float(metal.findtext("roughness")) == pytest.approx((0.7 * 0.09243) ** 0.5, abs=1e-4)
     assert (folder / metal.findtext("albedo_map")).is_file()
 
 

@@ -48,13 +48,14 @@ def test_the_sphere_is_bound_to_the_preview_surface(open_stage):
     shader, _, _ = material.ComputeSurfaceSource()
     assert shader.GetIdAttr().Get() == "UsdPreviewSurface"
     values = {one.GetBaseName(): one.Get() for one in shader.GetInputs()}
-    f0 = 0.2 * 0.6637
-    assert values["useSpecularWorkflow"] == 1
+    f0 = 0.2 * 0.6595
+    assert values["metallic"] == 0
     assert tuple(values["diffuseColor"]) == pytest.approx(
         (0.4 / (1 - f0), 0.08 / (1 - f0), 0.04 / (1 - f0))
     )
-    assert tuple(values["specularColor"]) == pytest.approx((f0,) * 3)
-    assert values["roughness"] == pytest.approx((0.88 * 0.09243) ** 0.5, abs=1e-4)
+    assert "specularColor" not in values
+    assert ((values["ior"] - 1) / (values["ior"] + 1)) ** 2 == pytest.approx(f0, rel=1e-5)
+    assert values["roughness"] == pytest.approx((0.7 * 0.09243) ** 0.5, abs=1e-4)
 
 
 def test_no_validator_of_usd_objects(open_stage, ball, tmp_path):
