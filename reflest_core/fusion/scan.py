@@ -132,7 +132,7 @@ class Scan:
         window = object_window(frame, region)
         frame = cropped(whole, window)
         pixels = classify_pixels(frame, region, self.fusion)
-        shows_surface = bool(np.any(pixels.surface))
+        shows_surface = pixels.farthest > 0.0
         if not shows_surface and not self._looks_away(whole):
             radius = self.work_sphere.radius(self.fusion) if self.work_sphere.frames else 0.0
             raise sight.refusal_without_surface(whole, self.region, self.fusion, radius)
@@ -178,14 +178,15 @@ class Scan:
             surface.keys[seen], stored[seen], positions, surface.normals[seen], self.frame_number
         )
         has_row = rows >= 0
-        rows, colours, positions = rows[has_row], colours[has_row], positions[has_row]
+        if not has_row.all():
+            rows, colours, positions = rows[has_row], colours[has_row], positions[has_row]
         if len(surface.positions):
             self._add_light(whole, is_foreground, surface.positions, rows, colours)
         view, is_new_view, kept = None, False, 0
         if len(rows):
             near = self.views.near(
                 frame.camera_centre,
-                positions.mean(axis=0, dtype=np.float64),
+                sight.KnownSurface(positions).centre,
                 self.fusion.view_spacing,
             )
             unseen = self.store.unseen_from(rows, near, threads)

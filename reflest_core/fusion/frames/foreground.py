@@ -16,10 +16,14 @@ from reflest_core.fusion.frames.depth_edges import clear_of_edges
 from reflest_core.fusion.frames.region import Region, pixels_in_region
 from reflest_core.fusion.frames.slant import find_steepness
 from reflest_core.fusion.settings import FusionSettings
+from reflest_core.fusion.work_sharing import share_out
 from reflest_core.jit import compiled, kernel_array
 
 WIDEST_MARGIN = 32
 """Pixels to the sides within which ``FramePixels.free_depth`` searches at most."""
+
+LEAST_SHARE = 100_000
+"""Fewer pixels than this are not worth waking another thread."""
 
 NEAREST_DEPTH = np.float32(1e-3)
 """Metres; no camera measures less, and kernels divide by depth."""
@@ -39,6 +43,7 @@ class FramePixels:
         free_depth: (H, W) float32 metres, the nearest depth within the truncation distance to the
             sides, 0 where some is unknown; what is in front of it by as much is free of any
             surface.
+        farthest: The largest depth on ``surface``, metres; 0 where it is empty.
     """
 
     foreground: NDArray[np.bool_]
@@ -47,6 +52,7 @@ class FramePixels:
     steepness: NDArray[np.float32]
     gain: NDArray[np.uint8]
     free_depth: NDArray[np.float32]
+    farthest: float
 
 
 def classify_pixels(frame: Frame, region: Region, settings: FusionSettings) -> FramePixels:
@@ -62,25 +68,68 @@ def classify_pixels(frame: Frame, region: Region, settings: FusionSettings) -> F
     Returns:
         What fusion takes of the frame.
     """
-    depth: NDArray[np.float32] = kernel_array(frame.depth, np.float32)
-    depth, within_reach = _known_depth(depth, np.float32(settings.max_depth))
-    K = frame.intrinsics.matrix
-    if frame.mask is not None:
-        foreground = kernel_array(frame.mask, np.bool_)
-    elif region.shape:
-        T = kernel_array(frame.T_world_camera, np.float64)
-        foreground = pixels_in_region(
-            depth, T, K, int(region.shape), region.centre, region.half_size
-        )
-    else:
-        foreground = within_reach
-    clear = clear_of_edges(depth, settings.voxel_size, settings.depth_edge_margin)
-    surface = foreground & within_reach & clear
+    depth, surface = _known_depth(
+        kernel_array(frame.depth, np.float32), np.float32(settings.max_depth)
+    )
+    foreground = surface.copy() if frame.mask is None else kernel_array(frame.mask, np.bool_)
     steepness = np.empty(depth.shape, np.float32)
     gain = np.empty(depth.shape, np.uint8)
-    find_steepness(depth, surface, settings.depth_edge_margin, K, steepness, gain)
-    free_depth = _free_depth(depth, surface, frame, settings)
-    return FramePixels(foreground, depth, surface, steepness, gain, free_depth)
+    height, width = depth.shape
+    sharing = settings.threads, height, math.ceil(LEAST_SHARE / width)
+    arrays = depth, foreground, surface, steepness, gain
+    ranges = share_out(*sharing, _classify_rows, frame, region, settings, *arrays)
+    nearest, farthest = min(near for near, _ in ranges), max(far for _, far in ranges)
+    free_depth = np.empty_like(depth)
+    margin = _side_margin(nearest, frame, settings)
+    share_out(*sharing, _erode_rows, depth, margin, free_depth)
+    return FramePixels(foreground, depth, surface, steepness, gain, free_depth, farthest)
+
+
+def _classify_rows(
+    start: int,
+    stop: int,
+    frame: Frame,
+    region: Region,
+    settings: FusionSettings,
+    depth: NDArray[np.float32],
+    foreground: NDArray[np.bool_],
+    surface: NDArray[np.bool_],
+    steepness: NDArray[np.float32],
+    gain: NDArray[np.uint8],
+) -> tuple[float, float]:
+    """Fill in rows of the last four; ``surface`` holds where depth is within reach, before.
+
+    Returns the least and the largest depth on the surface, infinite and 0 where there is none.
+    """
+    K, margin = frame.intrinsics.matrix, settings.depth_edge_margin
+    if frame.mask is None and region.shape:
+        pixels_in_region(
+            start,
+            stop,
+            depth,
+            kernel_array(frame.T_world_camera, np.float64),
+            K,
+            int(region.shape),
+            region.centre,
+            region.half_size,
+            foreground,
+        )
+    above = max(start - margin, 0)
+    clear = clear_of_edges(depth[above : stop + margin], settings.voxel_size, margin)
+    surface[start:stop] &= foreground[start:stop] & clear[start - above : stop - above]
+    find_steepness(start, stop, depth, surface, margin, K, steepness, gain)
+    return _depth_range(depth[start:stop], surface[start:stop])
+
+
+@compiled
+def _depth_range(depth: NDArray[np.float32], surface: NDArray[np.bool_]) -> tuple[float, float]:
+    nearest, farthest = np.float32(np.inf), np.float32(0.0)
+    for v in range(len(depth)):
+        for u in range(depth.shape[1]):
+            z = depth[v, u]
+            nearest = min(nearest, z if surface[v, u] else np.float32(np.inf))
+            farthest = max(farthest, z if surface[v, u] else np.float32(0.0))
+    return float(nearest), float(farthest)
 
 
 @compiled
@@ -98,14 +147,21 @@ def _known_depth(
     return known.reshape(depth.shape), is_within.reshape(depth.shape)
 
 
-def _free_depth(
-    depth: NDArray[np.float32],
-    surface: NDArray[np.bool_],
-    frame: Frame,
-    settings: FusionSettings,
-) -> NDArray[np.float32]:
-    nearest = float(np.min(depth, where=surface, initial=settings.max_depth))
+def _side_margin(nearest: float, frame: Frame, settings: FusionSettings) -> int:
+    """The truncation distance in pixels, where the surface is nearest."""
     focal_length = max(frame.intrinsics.fx, frame.intrinsics.fy)
+    nearest = min(nearest, settings.max_depth)
     margin = math.ceil(settings.truncation * settings.voxel_size * focal_length / nearest)
-    size = 2 * min(margin, WIDEST_MARGIN) + 1
-    return np.asarray(cv2.erode(depth, np.ones((size, size), np.uint8)), np.float32)
+    return min(margin, WIDEST_MARGIN)
+
+
+def _erode_rows(
+    start: int,
+    stop: int,
+    depth: NDArray[np.float32],
+    margin: int,
+    free_depth: NDArray[np.float32],
+) -> None:
+    window, above = np.ones((2 * margin + 1, 2 * margin + 1), np.uint8), max(start - margin, 0)
+    eroded = np.asarray(cv2.erode(depth[above : stop + margin], window), np.float32)
+    free_depth[start:stop] = eroded[start - above : stop - above]

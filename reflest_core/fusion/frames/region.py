@@ -112,39 +112,39 @@ def _inside_all(
 
 @compiled
 def pixels_in_region(
+    start: int,
+    stop: int,
     depth: NDArray[np.float32],
     T: NDArray[np.float64],
     K: NDArray[np.float64],
     shape: int,
     centre: NDArray[np.float64],
     half_size: NDArray[np.float64],
-) -> NDArray[np.bool_]:
+    inside: NDArray[np.bool_],
+) -> None:
     """Find the pixels with depth whose back-projected point lies in a region; a kernel.
 
     Args:
+        start: First of the rows that are filled.
+        stop: The one after the last.
         depth: (H, W) metres, 0 unknown.
         T: (4, 4) camera to world.
         K: (3, 3) intrinsics.
         shape: A :class:`RegionShape` as a number, not that of no region.
         centre: (3,) metres.
         half_size: (3,) metres.
-
-    Returns:
-        (H, W) bool.
+        inside: (H, W) filled.
     """
-    height, width = depth.shape
-    inside = np.empty((height, width), np.bool_)
     to_camera = (T[:3, 3] - centre).astype(np.float32)
     half = half_size.astype(np.float32)
     ray = np.empty(3, np.float32)
     step = (T[:3, 0] / K[0, 0]).astype(np.float32)
-    for v in range(height):
+    for v in range(start, stop):
         for axis in range(3):
             ray[axis] = (
                 T[axis, 1] * (v - K[1, 2]) / K[1, 1] - T[axis, 0] * K[0, 2] / K[0, 0] + T[axis, 2]
             )
         _fill_row(depth[v], to_camera, ray, step, shape, half, inside[v])
-    return inside
 
 
 @compiled

@@ -22,6 +22,8 @@ beyond 80 degrees, where curvature spoils the distance to the tangent plane."""
 
 @compiled
 def find_steepness(
+    start: int,
+    stop: int,
     depth: NDArray[np.float32],
     surface: NDArray[np.bool_],
     reach: int,
@@ -32,6 +34,8 @@ def find_steepness(
     """Fill in how steeply the surface is seen and what its depth weighs; a kernel.
 
     Args:
+        start: First of the rows that are filled.
+        stop: The one after the last.
         depth: (H, W) metres.
         surface: (H, W) pixels with a continuous surface for ``reach`` pixels to all sides.
         reach: Pixels over which slopes are measured.
@@ -40,7 +44,7 @@ def find_steepness(
         gain: (H, W) filled with weights; 0 off the surface.
     """
     height, width = depth.shape
-    for v in range(height):
+    for v in range(start, stop):
         above, below = max(v - reach, 0), min(v + reach, height - 1)
         u = 0
         while u < width:

@@ -127,11 +127,10 @@ class TsdfVolume:
             The blocks' slots, and the keys of surface voxels that were erased to make room.
         """
         erased = [np.empty(0, np.int64)]
-        farthest = float(np.max(pixels.depth, where=pixels.surface, initial=0.0))
-        if farthest == 0.0:
+        if pixels.farthest == 0.0:
             return erased[0], erased[0]
         K = frame.intrinsics.matrix
-        stride = pixel_stride(self.voxel_size, min(K[0, 0], K[1, 1]), farthest)
+        stride = pixel_stride(self.voxel_size, min(K[0, 0], K[1, 1]), pixels.farthest)
         T = kernel_array(frame.T_world_camera, np.float64)
         touched = np.empty(self.capacity, np.int64)
         touched_count = 0

@@ -18,7 +18,9 @@ def test_plane_gives_the_cosine_of_its_viewing_angle(normal):
     shown[:2] = shown[-2:] = shown[:, :2] = shown[:, -2:] = False
     steepness = np.empty(depth.shape, np.float32)
     gain = np.empty(depth.shape, np.uint8)
-    find_steepness(depth.astype(np.float32), shown, 2, camera.matrix, steepness, gain)
+    find_steepness(
+        0, len(depth), depth.astype(np.float32), shown, 2, camera.matrix, steepness, gain
+    )
     cosine = -(rays @ normal) / np.linalg.norm(rays, axis=-1)
     steep = shown & (cosine > 0.2)
     found = steepness[steep] / np.linalg.norm(rays, axis=-1)[steep]
