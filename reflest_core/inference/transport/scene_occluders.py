@@ -17,10 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from reflest_core.inference.transport.patch_grid import EDGE, patch_shares
+from reflest_core.inference.transport.patch_grid import EDGE, PATCHES, patch_shares
 from reflest_core.inference.transport.visibility import FLATTEST, LEAST_SHARE, Sight
-from reflest_core.jit import compiled, kernel_array
-from reflest_core.light.octahedral import octahedral_texel
+from reflest_core.jit import compiled, kernel_array, vectorised
 from reflest_core.surface.extent import NEIGHBOURS
 
 SURFELS = 1500
@@ -91,14 +90,12 @@ class SceneOccluders:
             normals: (V, 3) unit.
             weights: (V, SIZE * SIZE) of :func:`.cosine_weights`.
         """
+        surfels = np.concatenate([self.positions.T, self.normals.T, self.areas[None]])
         hidden, sent = _hidden_shares(
-            kernel_array(self.positions, np.float32),
-            kernel_array(self.normals, np.float32),
-            kernel_array(self.areas, np.float32),
+            kernel_array(surfels, np.float32),
             kernel_array(self.colours, np.float32),
             kernel_array(positions, np.float32),
             kernel_array(normals, np.float32),
-            EDGE,
         )
         shares = np.minimum(hidden / np.maximum(patch_shares(weights), LEAST_SHARE), 1.0)
         own = sent / np.maximum(hidden, np.float32(1e-9))[..., None]
@@ -139,45 +136,75 @@ def cell_groups(
 
 @compiled
 def _hidden_shares(
-    positions: NDArray[np.float32],
-    normals: NDArray[np.float32],
-    areas: NDArray[np.float32],
+    surfels: NDArray[np.float32],
     colours: NDArray[np.float32],
     of_positions: NDArray[np.float32],
     of_normals: NDArray[np.float32],
-    edge: int,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """(V, P) share of the hemisphere that is covered, and (V, P, 3) that times the radiance."""
-    voxels, patches = len(of_positions), edge * edge
-    hidden = np.zeros((voxels, patches), np.float32)
-    sent = np.zeros((voxels, patches, 3), np.float32)
-    sides = np.zeros((2, patches, 4), np.float32)
+    """(V, P) share of the hemisphere that is covered, and (V, P, 3) that times the radiance.
+
+    ``surfels`` (7, D): positions, normals and areas.
+    """
+    voxels = len(of_positions)
+    hidden = np.zeros((voxels, PATCHES), np.float32)
+    sent = np.zeros((voxels, PATCHES, 3), np.float32)
+    sides = np.zeros((2 * PATCHES, 4), np.float32)
+    shares, places = np.empty(len(colours), np.float32), np.empty(len(colours), np.int32)
     for voxel in range(voxels):
+        _cover(surfels, of_positions[voxel], of_normals[voxel], shares, places)
         sides[:] = 0.0
-        for surfel in range(len(positions)):
-            x = positions[surfel, 0] - of_positions[voxel, 0]
-            y = positions[surfel, 1] - of_positions[voxel, 1]
-            z = positions[surfel, 2] - of_positions[voxel, 2]
-            above = x * of_normals[voxel, 0] + y * of_normals[voxel, 1] + z * of_normals[voxel, 2]
-            square = x * x + y * y + z * z
-            if above <= 0.0 or above * above < FLATTEST * FLATTEST * square:
-                continue
-            facing = -(x * normals[surfel, 0] + y * normals[surfel, 1] + z * normals[surfel, 2])
-            distance = math.sqrt(square)
-            row, column = octahedral_texel(x, y, z, edge)
-            # A surfel close by covers no more than half of all directions.
-            angle = areas[surfel] * abs(facing) / distance
-            angle /= square + areas[surfel] / (2.0 * math.pi)
-            share = angle * above / distance / math.pi
-            side = sides[0 if facing > 0.0 else 1, row * edge + column]
-            side[3] += share
-            for channel in range(3):
-                side[channel] += share * colours[surfel, channel]
-        for patch in range(patches):
-            front, back = sides[0, patch], sides[1, patch]
+        for surfel in range(len(colours)):
+            share = shares[surfel]
+            if share > 0.0:
+                side = sides[places[surfel]]
+                side[0] += share * colours[surfel, 0]
+                side[1] += share * colours[surfel, 1]
+                side[2] += share * colours[surfel, 2]
+                side[3] += share
+        for patch in range(PATCHES):
+            front, back = sides[patch], sides[PATCHES + patch]
             beyond = max(back[3] - front[3], 0.0)
             hidden[voxel, patch] = front[3] + beyond
             of_back = BACK * beyond / max(back[3], 1e-9)
             for channel in range(3):
                 sent[voxel, patch, channel] = front[channel] + of_back * back[channel]
     return hidden, sent
+
+
+@vectorised
+def _cover(
+    surfels: NDArray[np.float32],
+    position: NDArray[np.float32],
+    normal: NDArray[np.float32],
+    shares: NDArray[np.float32],
+    places: NDArray[np.int32],
+) -> None:
+    """Fill in the share of a voxel's hemisphere that each surfel covers, and in which patch.
+
+    Patches of surfels that face away come after those of the others. Without branches, as
+    :func:`.octahedral_texel` has them, for vector instructions.
+    """
+    zero, half, one = np.float32(0.0), np.float32(0.5), np.float32(1.0)
+    flattest, about = np.float32(FLATTEST * FLATTEST), np.float32(1.0 / (2.0 * math.pi))
+    inverse_pi, edge, last = np.float32(1.0 / math.pi), np.float32(EDGE), np.int32(EDGE - 1)
+    px, py, pz = position[0], position[1], position[2]
+    nx, ny, nz = normal[0], normal[1], normal[2]
+    for n in range(len(shares)):
+        x, y, z = surfels[0, n] - px, surfels[1, n] - py, surfels[2, n] - pz
+        above, square = x * nx + y * ny + z * nz, x * x + y * y + z * z
+        is_above = (above > zero) & (above * above >= flattest * square)
+        facing = -(x * surfels[3, n] + y * surfels[4, n] + z * surfels[5, n])
+        # A surfel close by covers no more than half of all directions.
+        across = square * (square + surfels[6, n] * about)
+        share = surfels[6, n] * abs(facing) * above * inverse_pi / (across if is_above else one)
+        shares[n] = share if is_above else zero
+        length = abs(x) + abs(y) + abs(z)
+        scale = one / (length if is_above else one)
+        u, v = x * scale, y * scale
+        folded_u = (one - abs(v)) * (one if u >= zero else -one)
+        folded_v = (one - abs(u)) * (one if v >= zero else -one)
+        u, v = (folded_u if z < zero else u), (folded_v if z < zero else v)
+        column = min(np.int32((u + one) * half * edge), last)
+        row = min(np.int32((v + one) * half * edge), last)
+        side = np.int32(0) if facing > zero else np.int32(PATCHES)
+        places[n] = side + row * np.int32(EDGE) + column
