@@ -32,7 +32,7 @@ class Format:
         suffixes: Of its files; the first is the usual one.
         writer: ``module:function`` below :mod:`reflest_core.export.formats`, which takes an asset
             and the file's name and returns the contents of all files, the main one first.
-        has_light: Whether a file can hold the environment.
+        has_light: Whether the environment can go with a file.
     """
 
     suffixes: tuple[str, ...]
@@ -54,8 +54,8 @@ class Format:
 
 
 FORMATS = {
-    "glb": Format((".glb",), "gltf:glb"),
-    "gltf": Format((".gltf",), "gltf:gltf"),
+    "glb": Format((".glb",), "gltf:glb", has_light=True),
+    "gltf": Format((".gltf",), "gltf:gltf", has_light=True),
     "usd": Format((".usda", ".usdc", ".usdz", ".usd"), "usd:usd", has_light=True),
     "ply": Format((".ply",), "ply:ply"),
     "obj": Format((".obj",), "obj:obj"),
@@ -123,7 +123,7 @@ def export_estimate(
     if light is not None:
         light_format(light)
         if not chosen.has_light:
-            raise ExportError(f"{format_name} has no environment light: use usd or mitsuba")
+            raise ExportError(f"{format_name} has no environment light: use glb, usd or mitsuba")
         if not light.is_file():
             raise ExportError(f"there is no environment file {light}: check the path")
     asset = swatch(estimate, _beside(path, light) if light else "")

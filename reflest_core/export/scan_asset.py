@@ -43,12 +43,14 @@ class AssetSettings:
         texture_size: Texels along each side; 0 chooses two texels for each voxel.
         is_watertight: Close the surface where nothing was scanned.
         up: Up in the scan's world frame.
+        with_light: Whether the scan's light goes with the surface, where the format has one.
     """
 
     faces: int = FACES
     texture_size: int = 0
     is_watertight: bool = False
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    with_light: bool = True
 
     def __post_init__(self) -> None:
         """Check the values.
@@ -115,7 +117,7 @@ def mesh_asset(
         _upright_mesh(mesh, labels, atlas, voxels, found, settings.up),
         materials,
         texture,
-        _light(found, settings.up),
+        _light(found, settings.up) if settings.with_light else None,
     )
 
 

@@ -205,7 +205,9 @@ def exported_files(scanner: Pipeline, found: MaterialMap, name: str, format_name
         if format_name in LIGHT_FORMATS:
             export_environment(scanner.snapshot().surface, format_name, path)
         else:
-            settings = AssetSettings(up=scanner.settings.estimation.up)
+            # A browser saves one file as it is, several in an archive; the page offers the light.
+            with_light = format_name not in ("glb", "gltf")
+            settings = AssetSettings(up=scanner.settings.estimation.up, with_light=with_light)
             warning = export_scan(scanner.scan, found, path, format_name, settings).warning
         contents = {
             str(one.relative_to(folder)): one.read_bytes()

@@ -7,17 +7,22 @@ Fresnel term the constant ``rho_s``, as in Ward's model: ``specularFactor`` is t
 the horizon (F90), and a ``specularColorFactor`` of 25 undoes the default F0 of 0.04, so that F0 is
 the same. A viewer without the extension shows the colour, the roughness and a highlight of
 F0 = 0.04. ``roughnessFactor`` is the square root of the GGX width.
+
+glTF itself has no environment light. It lies beside the file, as Radiance ``.hdr``, which three.js,
+model-viewer and Babylon.js take as it is; the scene's ``extras`` name it. Its rows and columns are
+theirs: the upper row is glTF's +y, the middle +x, left of it -z.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
 
 from reflest_core.export.asset import Asset
+from reflest_core.export.environment_file import environment_bytes
 from reflest_core.export.formats.mesh_library import trimesh_parts
 from reflest_core.export.libraries import library
 from reflest_core.export.microfacet_material import MicrofacetMaterial
@@ -30,21 +35,22 @@ Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1.0]
 
 
 def glb(asset: Asset, file_name: str) -> dict[str, bytes]:
-    """The binary file.
+    """The binary file, and its environment.
 
     Args:
         asset: What to write.
         file_name: Of the file, with its suffix.
     """
     exchange = library("trimesh.exchange.gltf")
+    light = _environment(asset, file_name)
     content = exchange.export_glb(
-        _scene(asset), include_normals=True, tree_postprocessor=_completed(asset)
+        _scene(asset), include_normals=True, tree_postprocessor=_completed(asset, light)
     )
-    return {file_name: content}
+    return {file_name: content, **light}
 
 
 def gltf(asset: Asset, file_name: str) -> dict[str, bytes]:
-    """The JSON file, with its buffers as data URIs.
+    """The JSON file, with its buffers as data URIs, and its environment.
 
     Args:
         asset: What to write.
@@ -53,8 +59,16 @@ def gltf(asset: Asset, file_name: str) -> dict[str, bytes]:
     exchange = library("trimesh.exchange.gltf")
     files = exchange.export_gltf(_scene(asset), include_normals=True, embed_buffers=True)
     tree = json.loads(files["model.gltf"])
-    _completed(asset)(tree)
-    return {file_name: (json.dumps(tree, indent=1, allow_nan=False) + "\n").encode()}
+    light = _environment(asset, file_name)
+    _completed(asset, light)(tree)
+    return {file_name: (json.dumps(tree, indent=1, allow_nan=False) + "\n").encode(), **light}
+
+
+def _environment(asset: Asset, file_name: str) -> dict[str, bytes]:
+    if asset.light is None or asset.light_file:
+        return {}
+    name = f"{file_name.rsplit('.', 1)[0]}_environment.hdr"
+    return {name: environment_bytes(asset.light, "hdr")}
 
 
 def _scene(asset: Asset) -> Any:
@@ -71,9 +85,10 @@ def _scene(asset: Asset) -> Any:
     return scene
 
 
-def _completed(asset: Asset) -> Callable[[dict[str, Any]], None]:
+def _completed(asset: Asset, light: Iterable[str]) -> Callable[[dict[str, Any]], None]:
     """What trimesh does not write: one mesh, the extension, extras and names."""
     by_name = {material.name: material for material in asset.materials}
+    environment = asset.light_file or next(iter(light), "")
 
     def complete(tree: dict[str, Any]) -> None:
         _set_targets(tree)
@@ -101,8 +116,8 @@ def _completed(asset: Asset) -> Callable[[dict[str, Any]], None]:
         tree["scene"] = 0
         tree.pop("cameras", None)
         tree["asset"]["generator"] = "reflest"
-        if asset.light_file:
-            tree["asset"]["extras"] = {"reflest": {"environment": asset.light_file}}
+        if environment:
+            tree["scenes"][0]["extras"] = {"reflest": {"environment": environment}}
 
     return complete
 

@@ -2,10 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The light's files as other programs read them: the values, and where a lamp comes from."""
 
+import json
+
 import cv2
 import numpy as np
 import pytest
 
+from reflest_core.brdf import srgb
 from reflest_core.environment.environment_map import environment_map
 from reflest_core.export.environment_file import LIGHT_FORMATS, export_environment, light_format
 from reflest_core.export.errors import ExportError
@@ -15,6 +18,7 @@ from reflest_core.synbrdf.path_tracing.ward_bsdf import mi
 from test.core.export.complaints import complaints
 from test.core.export.estimates import GLOSSY_RED, glossy_red
 from test.core.export.lights import LAMP, around, lamp_towards
+from test.web.browser import shown
 
 TOWARDS = ((0.3, -0.8, 0.5), (0.0, 1.0, 0.2), (-1.0, 0.1, -0.3), (0.9, 0.0, 0.0))
 
@@ -118,10 +122,34 @@ def test_without_light_there_is_no_dome(tmp_path):
     assert "DomeLight" not in (tmp_path / "material.usda").read_text()
 
 
-def test_gltf_has_no_environment_light(written, tmp_path):
+def test_ply_has_no_environment_light(written, tmp_path):
     light_file = written("hdr", lamp_towards(TOWARDS[0]))
-    with pytest.raises(ExportError, match="gltf has no environment light"):
-        export_estimate(GLOSSY_RED, "gltf", tmp_path / "a.gltf", light_file)
+    with pytest.raises(ExportError, match="ply has no environment light"):
+        export_estimate(GLOSSY_RED, "ply", tmp_path / "a.ply", light_file)
+
+
+def test_three_js_lights_the_glb_by_the_file_that_its_scene_names(written, tmp_path):
+    towards = np.array([0.5, -0.6, 0.6])
+    light_file = written("hdr", lamp_towards(towards, 20.0))
+    export_estimate(glossy_red(rho_s=0.0), "gltf", tmp_path / "sphere.gltf", light_file)
+    document = json.loads((tmp_path / "sphere.gltf").read_text())
+    name = document["scenes"][0]["extras"]["reflest"]["environment"]
+    assert (tmp_path / name).is_file()
+    picture = shown(
+        "view_glb.html",
+        tmp_path,
+        tmp_path / "three.png",
+        file="files/sphere.gltf",
+        size=96,
+        half=0.05 / 0.95,
+        environment=f"files/{name}",
+    )
+    across = (np.arange(96) + 0.5) / 48 - 1
+    right, down = np.meshgrid(across / 0.95, across / 0.95)
+    is_sphere = right**2 + down**2 < 0.9
+    normals = np.stack([right, -np.sqrt(np.clip(1 - right**2 - down**2, 0, 1)), -down], axis=-1)
+    cosine = np.maximum(normals @ (towards / np.linalg.norm(towards)), 0)[is_sphere]
+    assert np.corrcoef(cosine, srgb.decode(picture[..., 0])[is_sphere])[0, 1] > 0.98
 
 
 def test_a_light_file_that_is_missing_is_named(tmp_path):

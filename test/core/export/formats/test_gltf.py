@@ -86,6 +86,7 @@ def test_the_scan_stands_upright_in_metres_with_its_texture(ball, tmp_path):
     path = tmp_path / "ball.glb"
     export_asset(ball, path)
     parts = trimesh.load_scene(path).dump()
+    assert {one.name for one in tmp_path.iterdir()} == {"ball.glb", "ball_environment.hdr"}
     assert [part.visual.material.name for part in parts] == ["ball_material_7", "ball_material_3"]
     red, striped = parts
     # glTF has y up: the red upper half is above.
