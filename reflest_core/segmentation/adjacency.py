@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from reflest_core.jit import compiled, kernel_array
 from reflest_core.surface.key_index import KeyIndex, find_row
-from reflest_core.surface.voxel_key import pack_key
+from reflest_core.surface.voxel_key import pack_key, unpack_key
 
 RADIUS = 0.009
 """Metres: in a grid of 5 mm the direct and the diagonal neighbours."""
@@ -32,16 +32,16 @@ def neighbour_pairs(positions: NDArray[np.float32], radius: float = RADIUS) -> N
     keys = _packed(cells)
     members = np.argsort(keys, kind="stable").astype(np.int32)
     cell_keys, firsts = np.unique(keys[members], return_index=True)
+    index_of_cell = np.searchsorted(cell_keys, keys)
     index = KeyIndex(len(cell_keys))
     index.fill(cell_keys)
     bounds = np.append(firsts, len(keys)).astype(np.int64)
     return _pairs(
         kernel_array(positions, np.float32),
-        cells,
+        _cells_around(cell_keys, index.keys, index.rows),
+        index_of_cell,
         members,
         bounds,
-        index.keys,
-        index.rows,
         radius * radius,
     )
 
@@ -55,38 +55,48 @@ def _packed(cells: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 @compiled
+def _cells_around(
+    cell_keys: NDArray[np.int64], slot_keys: NDArray[np.int64], slot_rows: NDArray[np.int32]
+) -> NDArray[np.int32]:
+    """(C, 27) the cells around each, itself included; -1 where there is none."""
+    around = np.empty((len(cell_keys), 27), np.int32)
+    for cell in range(len(cell_keys)):
+        i, j, k = unpack_key(cell_keys[cell])
+        for n in range(27):
+            key = pack_key(i + n // 9 - 1, j + n // 3 % 3 - 1, k + n % 3 - 1)
+            around[cell, n] = find_row(slot_keys, slot_rows, key)
+    return around
+
+
+@compiled
 def _pairs(
     positions: NDArray[np.float32],
-    cells: NDArray[np.int64],
+    around: NDArray[np.int32],
+    cell_of: NDArray[np.int64],
     members: NDArray[np.int32],
     bounds: NDArray[np.int64],
-    slot_keys: NDArray[np.int64],
-    slot_rows: NDArray[np.int32],
     square: float,
 ) -> NDArray[np.int32]:
     found, count = np.empty((8 * len(positions), 2), np.int32), 0
     for voxel in range(len(positions)):
         x, y, z = positions[voxel, 0], positions[voxel, 1], positions[voxel, 2]
-        for di in range(-1, 2):
-            for dj in range(-1, 2):
-                for dk in range(-1, 2):
-                    key = pack_key(cells[voxel, 0] + di, cells[voxel, 1] + dj, cells[voxel, 2] + dk)
-                    cell = find_row(slot_keys, slot_rows, key)
-                    if cell < 0:
-                        continue
-                    for slot in range(bounds[cell], bounds[cell + 1]):
-                        other = members[slot]
-                        if other <= voxel:
-                            continue
-                        dx = positions[other, 0] - x
-                        dy = positions[other, 1] - y
-                        dz = positions[other, 2] - z
-                        if dx * dx + dy * dy + dz * dz > square:
-                            continue
-                        if count == len(found):
-                            larger = np.empty((2 * len(found), 2), np.int32)
-                            larger[:count] = found
-                            found = larger
-                        found[count, 0], found[count, 1] = voxel, other
-                        count += 1
+        for n in range(27):
+            cell = around[cell_of[voxel], n]
+            if cell < 0:
+                continue
+            for slot in range(bounds[cell], bounds[cell + 1]):
+                other = members[slot]
+                if other <= voxel:
+                    continue
+                dx = positions[other, 0] - x
+                dy = positions[other, 1] - y
+                dz = positions[other, 2] - z
+                if dx * dx + dy * dy + dz * dz > square:
+                    continue
+                if count == len(found):
+                    larger = np.empty((2 * len(found), 2), np.int32)
+                    larger[:count] = found
+                    found = larger
+                found[count, 0], found[count, 1] = voxel, other
+                count += 1
     return found[:count].copy()

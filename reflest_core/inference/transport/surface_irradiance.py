@@ -121,7 +121,8 @@ def _gathered(
             hidden = share * (1.0 - seen)
             for k in range(5):
                 gathered[voxel, k] += seen * table[n, patch, k]
-            for channel in range(3):
-                gathered[voxel, channel] += hidden * own[g, patch, channel]
-            gathered[voxel, 3] += hidden
+            if hidden > 0.0:
+                for channel in range(3):
+                    gathered[voxel, channel] += hidden * own[g, patch, channel]
+                gathered[voxel, 3] += hidden
     return gathered
