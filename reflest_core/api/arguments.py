@@ -144,7 +144,7 @@ def checked_pose(matrix: ArrayLike) -> NDArray[np.float64]:
             "transposed?)"
         )
     if np.abs(pose[:3, 3]).max() > FURTHEST:
-        raise ArgumentRefused("T_world_camera lies over 1000 km from the origin: pass metres")
+        raise ArgumentRefused("T_world_camera lies over 100,000 km from the origin: pass metres")
     quaternion = np.array(quaternion_of(pose[:3, :3]))
     if not np.isfinite(quaternion).all():
         mirrored = np.linalg.det(pose[:3, :3]) < 0.0

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -44,6 +44,21 @@ class Frame:
     def camera_centre(self) -> NDArray[np.float64]:
         """The camera centre in the world frame, (3,) metres."""
         return self.T_world_camera[:3, 3]
+
+    def relative_to(self, origin: NDArray[np.float64]) -> Frame:
+        """Return the frame in a world frame that is moved, not turned.
+
+        Args:
+            origin: (3,) of that frame, in this one's world frame, metres.
+
+        Returns:
+            The frame itself where the origin is 0.
+        """
+        if not origin.any():
+            return self
+        pose = self.T_world_camera.copy()
+        pose[:3, 3] -= origin
+        return replace(self, T_world_camera=pose)
 
     @cached_property
     def T_camera_world(self) -> NDArray[np.float64]:

@@ -16,7 +16,8 @@ from reflest_core.parameter import ParameterError
 
 # tf2 tolerates the same: beyond it the numbers are not a rotation that was rounded.
 UNIT_TOLERANCE = 0.01
-FURTHEST = 1e6  # metres; a position beyond it is garbage, and float32 geometry would break
+FURTHEST = 1e8
+"""Metres; a position beyond it is garbage. Map grids such as UTM lie within 1e7."""
 
 
 def check_pose(pose: PoseMessage, topic: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -206,7 +206,9 @@ class Estimator:
             if len(large) < 2:
                 return None
             found = nearest_material(
-                surface.positions, np.where(np.isin(ids, large), ids, UNASSIGNED), point
+                surface.positions,
+                np.where(np.isin(ids, large), ids, UNASSIGNED),
+                point - surface.origin,
             )
             light = None
             if self.predictor.sees_light:
@@ -264,7 +266,8 @@ class Estimator:
                 estimate = self._publisher.estimate(part, prediction, found, header, mixture)
                 rho_d[voxels], stddev[voxels] = found.rho_d, found.rho_d_stddev
                 error = found.photometric_error
-            materials.append(_material(material_id, surface.positions[voxels], estimate, error))
+            place = surface.positions[voxels], surface.origin
+            materials.append(_material(material_id, *place, estimate, error))
         materials.sort(key=lambda material: (-material.area, material.id))
         return MaterialMap(
             header.stamp_ns,
@@ -294,13 +297,18 @@ class Estimator:
 
 
 def _material(
-    material_id: int, positions: NDArray[np.float32], estimate: BrdfEstimate, error: float
+    material_id: int,
+    positions: NDArray[np.float32],
+    origin: NDArray[np.float64],
+    estimate: BrdfEstimate,
+    error: float,
 ) -> MaterialEstimate:
     extent = voxel_extent(positions)
+    x, y, z = (np.array(extent.centroid) + origin).tolist()
     return MaterialEstimate(
         material_id,
         estimate,
-        extent.centroid,
+        (x, y, z),
         extent.size,
         extent.area,
         len(positions),

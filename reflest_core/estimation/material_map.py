@@ -116,7 +116,11 @@ class MaterialMap:
         known = np.array([found.id for found in self.materials])
         ids = self.material_ids
         return self.material(
-            nearest_material(self.surface.positions, np.where(np.isin(ids, known), ids, 0), point)
+            nearest_material(
+                self.surface.positions,
+                np.where(np.isin(ids, known), ids, UNASSIGNED),
+                point - self.surface.origin,
+            )
         )
 
     def warnings(self) -> dict[str, list[int]]:

@@ -55,8 +55,8 @@ class KeyframeSnapshot:
         light_problem: why light that was known before the scan was not used, or "".
         poses: how well the scan's depth maps meet; None where none were fused.
         memory: what is remembered of this scan's materials; None where it is one material.
-        middle: (3,) float64, the surface point in the middle of the view; None where a region or a
-            mask says what is looked at.
+        middle: (3,) float64, world frame, the surface point in the middle of the view; None where a
+            region or a mask says what is looked at.
         around: the surface around it; None where ``surface`` has all voxels.
     """
 
@@ -164,7 +164,7 @@ class Pipeline:
             problem,
             self.poses.report,
             self._memory if scan.region_settings.shape == "none" else None,
-            scan.middle,
+            None if scan.middle is None else scan.middle + scan.origin,
             None if around is None else replace(around, light=surface.light),
         )
 

@@ -126,6 +126,8 @@ class Asset:
         light_file: Path of an environment file to refer to in place of ``light``, relative to the
             asset's folder; "" for none.
         is_swatch: Whether the mesh is the sphere of :mod:`.sphere_mesh`, which shows a material.
+        origin: Where the mesh's coordinates begin in the world, turned to z up, metres: not 0 for
+            scans far from the world's origin, whose vertices float32 could not hold.
     """
 
     name: str
@@ -135,6 +137,12 @@ class Asset:
     light: EnvironmentMap | None = None
     light_file: str = ""
     is_swatch: bool = False
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def is_far(self) -> bool:
+        """Whether the mesh has an origin of its own."""
+        return any(self.origin)
 
     @property
     def warning(self) -> str:

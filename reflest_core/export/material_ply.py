@@ -28,6 +28,10 @@ VERTEX = np.dtype(
     ]
 )
 """Properties of the element ``vertex``: metres in the world frame, unit normals, linear sRGB."""
+FAR_VERTEX = np.dtype(
+    [(name, "<f8" if name in "xyz" else kind) for name, (kind, *_) in (VERTEX.fields or {}).items()]
+)
+"""The same far from the world's origin, where float32 would lose millimetres."""
 
 
 def export_materials(materials: MaterialMap, path: Path) -> None:
@@ -57,15 +61,16 @@ def material_vertices(materials: MaterialMap) -> np.ndarray:
         materials: of a scan.
 
     Returns:
-        (N,) records of the type :data:`VERTEX`, one for each voxel with an observation; NaN where a
-        value is unknown.
+        (N,) records of the type :data:`VERTEX`, or :data:`FAR_VERTEX` where the scan has an origin
+        of its own, one for each voxel with an observation; NaN where a value is unknown.
     """
     surface = materials.surface
     counts = surface.observation_counts
     observed = np.flatnonzero(counts > 0)
-    vertices = np.zeros(len(observed), VERTEX)
+    vertices = np.zeros(len(observed), FAR_VERTEX if surface.origin.any() else VERTEX)
+    positions = surface.world_positions[observed]
     for axis, name in enumerate("xyz"):
-        vertices[name] = surface.positions[observed, axis]
+        vertices[name] = positions[:, axis]
         vertices[f"n{name}"] = surface.normals[observed, axis]
     for axis, channel in enumerate(CHANNELS):
         vertices[f"rho_d_{channel}"] = materials.rho_d[observed, axis]

@@ -112,12 +112,14 @@ def mesh_asset(
     size = settings.texture_size or _texture_size(mesh, voxel_size)
     atlas = unwrapped(mesh, labels, size)
     texture = _baked(mesh, labels, atlas, voxels, materials, voxel_size)
+    x, y, z = (rotation_to_z(settings.up) @ found.surface.origin).tolist()
     return Asset(
         name,
         _upright_mesh(mesh, labels, atlas, voxels, found, settings.up),
         materials,
         texture,
         _light(found, settings.up) if settings.with_light else None,
+        origin=(x, y, z),
     )
 
 

@@ -37,6 +37,9 @@ from reflest_core.light.light_map import LightMap
 from reflest_core.surface.material_ids import GivenIds
 from reflest_core.surface.observed_surface import ObservedSurface
 
+FAR = 100.0
+"""Metres from the origin of the world frame: a scan that begins farther away has an origin of its
+own, for float32 holds no hundredths of a millimetre there, and keys of voxels end at 5 km."""
 NEW_SURFACE_SHARE = 0.2
 """A frame near a stored view is a new view if more than this share of what it sees is new."""
 
@@ -48,7 +51,9 @@ class Scan:
 
     Attributes:
         fusion: Settings.
-        region_settings: The region of interest.
+        region_settings: The region of interest, world frame.
+        origin: (3,) float64, of the scan's own coordinates in the world frame, metres: 0, or near
+            the first camera where that is far away. Everything below is in the scan's coordinates.
         volume: The TSDF.
         store: The observations of voxels.
         views: The stored views.
@@ -89,6 +94,7 @@ class Scan:
         self.light = LightMap()
         self.work_sphere, self.material_ids = WorkSphere(), GivenIds()
         self.middle: NDArray[np.float64] | None = None
+        self._set_origin(np.zeros(3))
         self.frame_number = 0
         self.last_stamp_ns: int | None = None
         self.frame_id, self.world_frame_id = "", ""
@@ -103,7 +109,6 @@ class Scan:
             region: The region of interest.
         """
         self.region_settings = region
-        self.region = Region.from_settings(region)
         self.reset()
 
     def restart_clock(self) -> None:
@@ -124,6 +129,9 @@ class Scan:
                 nothing has changed.
         """
         sight.check_stamp(frame, self._clock_ns)
+        if self.frame_number == 0:
+            self._set_origin(_origin_near(frame.camera_centre))
+        frame = frame.relative_to(self.origin)
         sight.check_reach(frame, self.fusion)
         whole, sphere, region = frame, self.work_sphere, self.region
         if self._is_scene(frame):
@@ -209,6 +217,10 @@ class Scan:
             observations_kept=kept,
         )
 
+    def _set_origin(self, origin: NDArray[np.float64]) -> None:
+        self.origin = origin
+        self.region = Region.from_settings(self.region_settings).relative_to(origin)
+
     def _is_scene(self, frame: Frame) -> bool:
         """Whether everything within the work sphere is scanned."""
         return frame.mask is None and self.region.shape is RegionShape.NONE
@@ -268,7 +280,7 @@ class Scan:
             The surface with its light, for use from any thread.
         """
         surface = observed_surface(self.store, self.views, self.fusion, most_voxels)
-        return dataclasses.replace(surface, light=self.light.observed())
+        return dataclasses.replace(surface, light=self.light.observed(), origin=self.origin)
 
     def snapshot_around_middle(self, most_voxels: int = MOST_VOXELS) -> ObservedSurface | None:
         """Copy the neighbourhood of the middle of the last view, where the scan is larger than it.
@@ -282,7 +294,9 @@ class Scan:
         """
         if self.middle is None or self.store.observed_count <= most_voxels:
             return None
-        return observed_surface(self.store, self.views, self.fusion, most_voxels, self.middle)
+        stages = self.store, self.views, self.fusion
+        surface = observed_surface(*stages, most_voxels, self.middle)
+        return dataclasses.replace(surface, origin=self.origin)
 
     def save(self, path: Path | str) -> None:
         """Write the scan to one file, replacing it whole or not at all.
@@ -296,6 +310,7 @@ class Scan:
         header = {
             "fusion": dataclasses.asdict(self.fusion),
             "region": dataclasses.asdict(self.region_settings),
+            "origin": self.origin.tolist(),
             "frame_number": self.frame_number,
             "last_stamp_ns": self.last_stamp_ns,
             "frame_id": self.frame_id,
@@ -341,6 +356,7 @@ class Scan:
                 MemoryBudget.from_settings(fusion).check_room(path, arrays)
             check_arrays(arrays, fusion, header.frame_number)
             scan = cls(fusion, header.region)
+            scan._set_origin(np.array(header.origin))
             counts = {
                 part: restore_rows(f"{part}_", stage.arrays, arrays)
                 for part, stage in scan._stages()
@@ -420,3 +436,10 @@ class Scan:
         return self.views.put(
             frame.camera_centre, foreground, background, frame.stamp_ns, self.light.gain
         )
+
+
+def _origin_near(centre: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Whole metres (3,) near a camera centre that is far from the origin; else 0."""
+    if not (FAR < np.abs(centre).max() < np.inf):
+        return np.zeros(3)
+    return np.round(centre)

@@ -42,6 +42,7 @@ class ScanHeader:
     Attributes:
         fusion: Settings of the scan.
         region: Its region of interest.
+        origin: Of its coordinates in the world frame, metres.
         frame_number: Frames that it took in.
         last_stamp_ns: Stamp of the last one, None where there is none.
         frame_id: The camera's frame.
@@ -54,6 +55,7 @@ class ScanHeader:
 
     fusion: FusionSettings
     region: RegionSettings
+    origin: tuple[float, float, float]
     frame_number: int
     last_stamp_ns: int | None
     frame_id: str
@@ -83,6 +85,7 @@ def checked_header(header: Mapping[str, Any]) -> ScanHeader:
             RegionSettings(
                 _of_type(region["shape"], str), _vector(region["centre"]), _vector(region["size"])
             ),
+            _vector(header.get("origin", [0.0, 0.0, 0.0])),
             _integer(header["frame_number"], 0, MOST_FRAMES),
             None if stamp_ns is None else _integer(stamp_ns, -(2**63), 2**63 - 1),
             _name(header.get("frame_id", "")),

@@ -76,7 +76,7 @@ def estimate_colours(
     Args:
         surface: What was observed.
         material: The material.
-        eye: (3,) camera and lamp, world frame, metres.
+        eye: (3,) camera and lamp, in the surface's coordinates, metres.
 
     Returns:
         (V, 3) 8-bit colours.

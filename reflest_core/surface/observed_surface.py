@@ -8,7 +8,7 @@ of feature code.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,12 @@ class ObservedSurface:
     """V surface voxels, O observations grouped by voxel (CSR) and W views.
 
     Attributes:
-        positions: (V, 3) float32, world frame, metres.
+        positions: (V, 3) float32, world frame less ``origin``, metres.
         normals: (V, 3) float32, world frame, unit length, outward.
         offsets: (V + 1,) int64; voxel k owns the observations ``offsets[k]:offsets[k + 1]``.
         colours: (O, 3) uint8, 8-bit sRGB.
         view_indices: (O,) uint16, indices into the view arrays.
-        view_centres: (W, 3) float32, camera centres in the world frame, metres.
+        view_centres: (W, 3) float32, camera centres, world frame less ``origin``, metres.
         view_foreground: (W, 3) float32, mean 8-bit colour F in [0, 255]; NaN where a view has no
             foreground pixels.
         view_background: (W, 3) float32, the same for B and the background.
@@ -35,6 +35,8 @@ class ObservedSurface:
         keys: (V,) int64, the packed key of each voxel (:mod:`.voxel_key`) in the order of
             ``positions``: it stays with a voxel from keyframe to keyframe. None for synthetic
             scenes. Files do not store it.
+        origin: (3,) float64, of the surface's coordinates in the world frame, metres: not 0 where
+            a scan lies far from the world's origin. Positions and centres are relative to it.
     """
 
     positions: NDArray[np.float32]
@@ -47,11 +49,17 @@ class ObservedSurface:
     view_background: NDArray[np.float32]
     light: ObservedLight | None = None
     keys: NDArray[np.int64] | None = None
+    origin: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
 
     @property
     def voxel_count(self) -> int:
         """V, the number of voxels."""
         return len(self.positions)
+
+    @property
+    def world_positions(self) -> NDArray[np.floating]:
+        """(V, 3) world frame, metres: float64 where there is an ``origin``, else float32."""
+        return self.positions + self.origin if self.origin.any() else self.positions
 
     @property
     def voxel_keys(self) -> NDArray[np.int64]:
@@ -94,5 +102,7 @@ def _occurring(indices: NDArray[np.uint16], limit: int) -> NDArray[np.bool_]:
     return is_there
 
 
-SURFACE_ARRAYS = tuple(f.name for f in fields(ObservedSurface) if f.name not in ("light", "keys"))
+SURFACE_ARRAYS = tuple(
+    one.name for one in fields(ObservedSurface) if one.name not in ("light", "keys", "origin")
+)
 """Names of the arrays, which files store one by one."""

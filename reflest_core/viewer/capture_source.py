@@ -185,7 +185,7 @@ class CaptureSource:
                 if began >= free_at:
                     found = self._show(scanner, scanned.keyframe)
                     free_at = 2.0 * time.monotonic() - began
-                keyframes.append(Keyframe.of(frame, found))
+                keyframes.append(Keyframe.of(frame.relative_to(scanner.scan.origin), found))
             share = capture.frames_seen / max(capture.frame_total or 0, capture.frames_seen)
             total = f" of {capture.frame_total}" if capture.frame_total else ""
             self._state = replace(

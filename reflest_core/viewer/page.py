@@ -136,10 +136,10 @@ class Page:
         self._client.add_notification("Done", outcome.message, auto_close_seconds=8)
 
     def _set_region(self) -> Outcome:
-        point = self._clicked
-        if point is None:
+        point, scan = self._clicked, self._state.scan
+        if point is None or scan is None:
             return Outcome("click on the surface first")
-        x, y, z = point.tolist()
+        x, y, z = (point + scan.found.surface.origin).tolist()
         return self._source.set_region((x, y, z), float(self._panel.radius.value))
 
     def _export(self) -> Outcome:

@@ -32,7 +32,7 @@ NO_MATERIAL = 0
 
 @dataclass(frozen=True)
 class ShownScan:
-    """A mesh in the world frame, and the material map that it shows.
+    """A mesh in the coordinates of the scan, and the material map that it shows.
 
     Attributes:
         vertices: (N, 3) float32, metres.

@@ -63,7 +63,7 @@ class Keyframe:
         """Keep what the page shows of a frame.
 
         Args:
-            frame: that was fused.
+            frame: that was fused, in the scan's coordinates.
             found: the materials after it.
         """
         height, width = frame.rgb.shape[:2]

@@ -16,7 +16,8 @@ OUTPUTS = {
         "the estimate's."
     ),
     "/reflectance/voxels": (
-        "The observed surface in the world frame, metres: `x y z`, `rgb` (see `voxels.colour`), "
+        "The observed surface in the world frame, metres: `x y z` (`FLOAT64` where the scan began "
+        "over 100 m from the world's origin), `rgb` (see `voxels.colour`), "
         "`normal_x normal_y normal_z`, `views` (observations of the voxel). Without points after a "
         "reset."
     ),
@@ -45,7 +46,8 @@ OUTPUTS = {
         "`materials.when`. Empty after a reset. Its fields are below."
     ),
     "/reflectance/material_cloud": (
-        "The observed surface in the world frame, metres: `x y z`, `normal_x normal_y normal_z`, "
+        "The observed surface in the world frame, metres: `x y z` (as in `reflectance/voxels`), "
+        "`normal_x normal_y normal_z`, "
         "`rho_d_r rho_d_g rho_d_b` of each voxel (linear sRGB), `rho_s`, `alpha`, a standard "
         "deviation of each (`..._stddev`), `material_id` (0: of no material), and `rgb`, the "
         "colour of the material's label."

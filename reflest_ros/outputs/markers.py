@@ -122,7 +122,8 @@ def _values(
     if surface.voxel_count == 0:
         marker.action = Marker.DELETE
         return marker
-    lowest, highest = surface.positions.min(axis=0), surface.positions.max(axis=0)
+    positions = surface.world_positions
+    lowest, highest = positions.min(axis=0), positions.max(axis=0)
     size = float(np.linalg.norm(highest - lowest))
     marker.scale.z = float(np.clip(0.06 * size, 0.005, 0.5))
     # The lines, which are centred on this point, stand clear of the object's top.

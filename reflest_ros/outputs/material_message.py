@@ -21,7 +21,7 @@ from reflest_ros.inputs.core_messages import ns_to_stamp
 from reflest_ros.msg import Material
 from reflest_ros.msg import MaterialMap as MaterialMapMessage
 from reflest_ros.outputs.estimate_message import estimate_to_message, unknown_message
-from reflest_ros.outputs.point_cloud import packed_colours, point_cloud
+from reflest_ros.outputs.point_cloud import far_points, packed_colours, point_cloud
 
 POINT = np.dtype(
     [
@@ -128,13 +128,15 @@ def map_to_cloud(materials: MaterialMap) -> PointCloud2:
         materials: The map.
 
     Returns:
-        Points of the type :data:`POINT`, world frame, metres; NaN where a value is unknown.
+        Points of the type :data:`POINT`, world frame, metres; NaN where a value is unknown. Their
+        ``x``, ``y`` and ``z`` are float64 where the scan has an origin of its own.
     """
     surface = materials.surface
     observed = np.flatnonzero(surface.observation_counts > 0)
-    points = np.zeros(len(observed), POINT)
+    points = np.zeros(len(observed), far_points(POINT) if surface.origin.any() else POINT)
+    positions = surface.world_positions[observed]
     for axis, name in enumerate("xyz"):
-        points[name] = surface.positions[observed, axis]
+        points[name] = positions[:, axis]
         points[f"normal_{name}"] = surface.normals[observed, axis]
     for axis, channel in enumerate("rgb"):
         points[f"rho_d_{channel}"] = materials.rho_d[observed, axis]

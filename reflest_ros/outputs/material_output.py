@@ -61,9 +61,9 @@ class ShownMaterials:
 
     @property
     def view(self) -> CameraView | None:
-        """The camera of the last frame, None where there is none."""
+        """The camera of the last frame in the surface's coordinates, None where there is none."""
         frame = self.request.frame
-        return None if frame is None else CameraView(frame.intrinsics, frame.T_world_camera)
+        return None if frame is None else _view(frame, self.materials)
 
 
 class MaterialOutput:
@@ -165,7 +165,12 @@ def overlay_message(materials: MaterialMap, frame: Frame, voxel_size: float) -> 
     Returns:
         An ``rgb8`` image of the frame's size, stamp and camera frame.
     """
-    view = CameraView(frame.intrinsics, frame.T_world_camera)
-    voxels = voxels_in_image(materials.surface.positions, view, voxel_size)
+    voxels = voxels_in_image(materials.surface.positions, _view(frame, materials), voxel_size)
     drawn = labels_over(frame.rgb, voxels, materials.material_ids)
     return image_message(drawn, frame.frame_id, frame.stamp_ns)
+
+
+def _view(frame: Frame, materials: MaterialMap) -> CameraView:
+    """The camera in the coordinates of a map's surface."""
+    frame = frame.relative_to(materials.surface.origin)
+    return CameraView(frame.intrinsics, frame.T_world_camera)

@@ -24,7 +24,7 @@ def point_cloud(
     """Make a message of N records.
 
     Args:
-        points: (N,) records whose fields are ``float32`` or ``uint32``.
+        points: (N,) records whose fields are ``float32``, ``float64`` or ``uint32``.
         frame_id: Of the header.
         stamp_ns: Of the header, nanoseconds.
         is_dense: Whether all values are finite.
@@ -55,8 +55,22 @@ def _fields(record: np.dtype[np.void]) -> list[PointField]:
 
 
 def _datatype(name: str, kind: np.dtype[Any]) -> int:
+    if kind == np.float64:
+        return int(PointField.FLOAT64)
     is_whole_number = kind == np.uint32 and name != COLOUR
     return int(PointField.UINT32 if is_whole_number else PointField.FLOAT32)
+
+
+def far_points(record: np.dtype[np.void]) -> np.dtype[np.void]:
+    """Return a type of records whose ``x``, ``y`` and ``z`` are ``float64``.
+
+    For scans that lie far from the world's origin, where ``float32`` would lose millimetres.
+
+    Args:
+        record: a type of records with these fields.
+    """
+    names = record.names or ()
+    return np.dtype([(name, np.float64 if name in "xyz" else record[name]) for name in names])
 
 
 def packed_colours(colours: NDArray[np.uint8]) -> NDArray[np.uint32]:

@@ -18,7 +18,7 @@ from reflest_core.rendering.voxel_colours import (
     observed_colours,
     view_count_colours,
 )
-from reflest_ros.outputs.point_cloud import packed_colours, point_cloud
+from reflest_ros.outputs.point_cloud import far_points, packed_colours, point_cloud
 from reflest_ros.outputs.view_publisher import ViewPublisher
 from reflest_ros.outputs.view_settings import VoxelSettings, read_settings
 
@@ -34,7 +34,8 @@ POINT = np.dtype(
         ("views", np.float32),
     ]
 )
-"""A point of ``reflectance/voxels``; ``rgb`` as :data:`.COLOUR` says."""
+"""A point of ``reflectance/voxels``; ``rgb`` as :data:`.COLOUR` says. Where the scan has an origin
+of its own, ``x``, ``y`` and ``z`` are float64."""
 
 
 class VoxelCloud:
@@ -92,9 +93,11 @@ def cloud_message(
     """
     surface = keyframe.surface
     counts = surface.observation_counts
-    points = np.zeros(surface.voxel_count, POINT)
+    far = surface.origin.any()
+    points = np.zeros(surface.voxel_count, far_points(POINT) if far else POINT)
+    positions = surface.world_positions
     for axis, name in enumerate("xyz"):
-        points[name] = surface.positions[:, axis]
+        points[name] = positions[:, axis]
         points[f"normal_{name}"] = surface.normals[:, axis]
     points["views"] = counts
     points["rgb"] = packed_colours(_colours(keyframe, estimate, settings, most_views))
@@ -117,4 +120,5 @@ def _colours(
         return view_count_colours(surface.observation_counts, most_views)
     if estimate is None or keyframe.T_world_camera is None:
         return np.full((surface.voxel_count, 3), UNKNOWN, np.uint8)
-    return estimate_colours(surface, estimate.ward, keyframe.T_world_camera[:3, 3])
+    eye = keyframe.T_world_camera[:3, 3] - surface.origin
+    return estimate_colours(surface, estimate.ward, eye)

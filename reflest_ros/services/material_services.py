@@ -55,7 +55,7 @@ class MaterialServices:
                 )
             voxel = _voxel(shown, request)
             materials = shown.materials
-            x, y, z = map(float, materials.surface.positions[voxel])
+            x, y, z = map(float, materials.surface.world_positions[voxel])
             response.position = Point(x=x, y=y, z=z)
             material = materials.material(int(materials.material_ids[voxel]))
             if material is None:
@@ -74,12 +74,13 @@ class MaterialServices:
 
 def _voxel(shown: ShownMaterials, request: MaterialAt.Request) -> int:
     """The voxel that a request names; a :class:`ReflestError` where there is none."""
-    positions, voxel_size = shown.materials.surface.positions, shown.request.voxel_size
+    surface, voxel_size = shown.materials.surface, shown.request.voxel_size
+    positions = surface.positions
     if request.kind == MaterialAt.Request.KIND_POINT:
         point = np.array([request.point.x, request.point.y, request.point.z])
         if not np.isfinite(point).all():
             raise ReflestError("the point is not finite")
-        found = voxel_near(positions, point, REACH * voxel_size)
+        found = voxel_near(positions, point - surface.origin, REACH * voxel_size)
         if found is None:
             raise ReflestError(
                 f"no scanned surface is within {REACH * voxel_size:g} m of the point"

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -23,6 +25,7 @@ from reflest_ros.msg import Material
 from reflest_ros.msg import MaterialMap as MaterialMapMessage
 from reflest_ros.outputs.estimate_message import estimate_from_message
 from reflest_ros.outputs.material_message import POINT
+from reflest_ros.outputs.point_cloud import far_points
 
 MEASURED = 2000
 """Points whose distance to the nearest one is measured."""
@@ -51,15 +54,20 @@ def received_scan(
         ViewerError: The cloud is of another version of reflest.
     """
     names = tuple(field.name for field in cloud.fields)
-    if names != POINT.names or cloud.point_step != POINT.itemsize or cloud.is_bigendian:
+    kinds = {kind.itemsize: kind for kind in (POINT, far_points(POINT))}
+    if names != POINT.names or cloud.point_step not in kinds or cloud.is_bigendian:
         raise ViewerError(
             "reflectance/material_cloud has other fields than this viewer reads: run node and "
             "viewer of one version"
         )
-    points = np.frombuffer(bytes(cloud.data), POINT)
+    points = np.frombuffer(bytes(cloud.data), kinds[cloud.point_step])
     if len(points) < 2 or not materials.materials:
         return None
     positions, nothing = _columns(points, "x", "y", "z"), np.zeros((0, 3), np.float32)
+    is_far = positions.dtype == np.float64
+    # In whole hectometres, so that the page's coordinates stay as the scan grows.
+    origin = 100.0 * np.round(positions.mean(axis=0) / 100.0) if is_far else np.zeros(3)
+    positions = (positions - origin).astype(np.float32) if is_far else positions
     surface = ObservedSurface(
         positions,
         _columns(points, "normal_x", "normal_y", "normal_z"),
@@ -69,6 +77,7 @@ def received_scan(
         nothing,
         nothing,
         nothing,
+        origin=origin,
     )
     found = MaterialMap(
         stamp_to_ns(materials.header.stamp),
@@ -109,7 +118,7 @@ def received_light(
     return np.asarray(cells.mean(axis=(1, 3)), np.float32)
 
 
-def _columns(points: NDArray[np.void], *names: str) -> NDArray[np.float32]:
+def _columns(points: NDArray[np.void], *names: str) -> NDArray[Any]:
     return np.stack([points[name] for name in names], axis=-1)
 
 

@@ -111,7 +111,10 @@ def _completed(asset: Asset, light: Iterable[str]) -> Callable[[dict[str, Any]],
         tree["extensionsUsed"] = sorted({*tree.get("extensionsUsed", []), "KHR_materials_specular"})
         primitives = [one for mesh in tree["meshes"] for one in mesh["primitives"]]
         tree["meshes"] = [{"name": asset.name, "primitives": primitives}]
-        tree["nodes"] = [{"name": asset.name, "mesh": 0}]
+        node: dict[str, Any] = {"name": asset.name, "mesh": 0}
+        if asset.is_far:
+            node["translation"] = (Y_UP[:3, :3] @ asset.origin).tolist()
+        tree["nodes"] = [node]
         tree["scenes"] = [{"name": asset.name, "nodes": [0]}]
         tree["scene"] = 0
         tree.pop("cameras", None)

@@ -11,6 +11,8 @@ from __future__ import annotations
 import io
 from typing import Any
 
+import numpy as np
+
 from reflest_core.export.asset import Asset, AssetMaterial, AssetMesh
 from reflest_core.export.formats.mesh_library import texture_picture
 from reflest_core.export.microfacet_material import MicrofacetMaterial
@@ -32,7 +34,7 @@ def obj(asset: Asset, file_name: str) -> dict[str, bytes]:
     first = 1
     for name, mesh in groups.items():
         if len(mesh.faces):
-            lines += [f"o {name}", f"usemtl {name}", *obj_lines(mesh, first)]
+            lines += [f"o {name}", f"usemtl {name}", *obj_lines(mesh, first, asset.origin)]
             first += len(mesh.vertices)
     materials = [line for material in asset.materials for line in _material(material, texture)]
     files = {
@@ -42,14 +44,18 @@ def obj(asset: Asset, file_name: str) -> dict[str, bytes]:
     return files | ({texture: png_bytes(texture_picture(asset))} if texture else {})
 
 
-def obj_lines(mesh: AssetMesh, first: int = 1) -> list[str]:
+def obj_lines(
+    mesh: AssetMesh, first: int = 1, origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> list[str]:
     """Vertices, normals, texture coordinates and faces of a mesh.
 
     Args:
         mesh: The mesh.
         first: Number of its first vertex in the file.
+        origin: Added to the vertices.
     """
-    lines = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in mesh.vertices.tolist()]
+    vertices = mesh.vertices.astype(np.float64) + origin
+    lines = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in vertices.tolist()]
     lines += [f"vn {x:.5f} {y:.5f} {z:.5f}" for x, y, z in mesh.normals.tolist()]
     if mesh.uv is not None:
         lines += [f"vt {u:.6f} {v:.6f}" for u, v in mesh.uv.tolist()]

@@ -30,8 +30,10 @@ def ply(asset: Asset, file_name: str) -> dict[str, bytes]:
     mesh = asset.mesh
     label = np.zeros(len(mesh.vertices), np.int32)
     label[mesh.faces] = mesh.face_materials[:, None]
+    # Far from the world's origin float32 would lose millimetres.
+    vertices = mesh.vertices + np.array(asset.origin) if asset.is_far else mesh.vertices
     columns: dict[str, NDArray[Any]] = {
-        **dict(zip("xyz", mesh.vertices.T, strict=True)),
+        **dict(zip("xyz", vertices.T, strict=True)),
         **dict(zip(("nx", "ny", "nz"), mesh.normals.T, strict=True)),
         **dict(zip(("red", "green", "blue"), _colours(asset, mesh, label).T, strict=True)),
         "rho_s": np.array([one.ward.rho_s for one in asset.materials], np.float32)[label],
@@ -45,13 +47,13 @@ def ply(asset: Asset, file_name: str) -> dict[str, bytes]:
                 columns[f"{name.removesuffix('_stddev')}_{channel}_stddev"] = column
     if mesh.uv is not None and asset.base_colour is not None:
         columns |= {"s": mesh.uv[:, 0], "t": mesh.uv[:, 1]}
-    vertices = np.empty(len(label), [(name, values.dtype) for name, values in columns.items()])
+    records = np.empty(len(label), [(name, values.dtype) for name, values in columns.items()])
     for name, values in columns.items():
-        vertices[name] = values
+        records[name] = values
     faces = np.empty(len(mesh.faces), [("vertex_indices", "<i4", (3,))])
     faces["vertex_indices"] = mesh.faces
     content = io.BytesIO()
-    write_ply(content, {"vertex": vertices, "face": faces}, ["reflest, metres, z up"])
+    write_ply(content, {"vertex": records, "face": faces}, ["reflest, metres, z up"])
     return {file_name: content.getvalue()}
 
 

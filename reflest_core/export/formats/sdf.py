@@ -29,6 +29,9 @@ def sdf(asset: Asset, file_name: str) -> dict[str, bytes]:
     root = ElementTree.Element("sdf", version=SDF_VERSION)
     model = ElementTree.SubElement(root, "model", name=asset.name)
     ElementTree.SubElement(model, "static").text = "true"
+    if asset.is_far:
+        place = " ".join(f"{value:.6f}" for value in asset.origin)
+        ElementTree.SubElement(model, "pose").text = f"{place} 0 0 0"
     link = ElementTree.SubElement(model, "link", name="link")
     meshes: dict[str, bytes] = {}
     for index, material in enumerate(asset.materials):

@@ -63,6 +63,8 @@ def _write_stage(asset: Asset, path: Path, texture: str, light: str) -> None:
     root = geometry.Xform.Define(stage, f"/{asset.name}")
     stage.SetDefaultPrim(root.GetPrim())
     usd_module.ModelAPI(root.GetPrim()).SetKind("component")
+    if asset.is_far:
+        root.AddTranslateOp().Set(gf.Vec3d(*asset.origin))
     mesh = _add_mesh(stage, asset)
     for index, material in enumerate(asset.materials):
         faces = np.flatnonzero(asset.mesh.face_materials == index)

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,14 @@ class Region:
             np.array(settings.centre, np.float64),
             np.array(settings.size, np.float64) / 2.0,
         )
+
+    def relative_to(self, origin: NDArray[np.float64]) -> Region:
+        """Return the region in coordinates that begin elsewhere.
+
+        Args:
+            origin: (3,) world frame, metres.
+        """
+        return replace(self, centre=self.centre - origin)
 
     def contains(self, points: NDArray[np.floating]) -> NDArray[np.bool_]:
         """Test points; the boundary counts as inside.

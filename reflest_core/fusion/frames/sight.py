@@ -102,7 +102,7 @@ def check_reach(frame: Frame, settings: FusionSettings) -> None:
     """Refuse a frame that is farther away than the keys of voxels reach.
 
     Args:
-        frame: The frame.
+        frame: The frame, in the scan's coordinates.
         settings: Of the scan.
 
     Raises:
@@ -113,9 +113,9 @@ def check_reach(frame: Frame, settings: FusionSettings) -> None:
     if away > limit:
         raise FrameRefused(
             RefusalCause.POSE_INVALID,
-            f"the camera is {away / 1000:.1f} km from the origin of the world frame, and voxels of "
-            f"{settings.voxel_size:g} m reach {limit / 1000:.1f} km: give poses in a local frame "
-            "(such as odom) instead of a map grid like UTM, or raise fusion.voxel_size",
+            f"the camera is {away / 1000:.1f} km from where the scan began, and voxels of "
+            f"{settings.voxel_size:g} m reach {limit / 1000:.1f} km: reset the scan to begin here, "
+            "or raise fusion.voxel_size",
         )
 
 
