@@ -143,8 +143,8 @@ def checked_pose(matrix: ArrayLike) -> NDArray[np.float64]:
             f"T_world_camera's last row is {pose[3].tolist()}: expected 0, 0, 0, 1 (is it "
             "transposed?)"
         )
-    if np.abs(pose[:3, 3]).max() > FURTHEST:
-        raise ArgumentRefused("T_world_camera lies over 100,000 km from the origin: pass metres")
+    if np.abs(pose[:3, 3]).max() >= FURTHEST:
+        raise ArgumentRefused("T_world_camera lies 10,000 km or more from the origin: pass metres")
     quaternion = np.array(quaternion_of(pose[:3, :3]))
     if not np.isfinite(quaternion).all():
         mirrored = np.linalg.det(pose[:3, :3]) < 0.0

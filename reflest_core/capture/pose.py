@@ -16,8 +16,8 @@ from reflest_core.parameter import ParameterError
 
 # tf2 tolerates the same: beyond it the numbers are not a rotation that was rounded.
 UNIT_TOLERANCE = 0.01
-FURTHEST = 1e8
-"""Metres; a position beyond it is garbage. Map grids such as UTM lie within 1e7."""
+FURTHEST = 1e7
+"""Metres; a position so far away is garbage. Map grids such as UTM lie within it."""
 
 
 def check_pose(pose: PoseMessage, topic: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -38,10 +38,10 @@ def check_pose(pose: PoseMessage, topic: str) -> tuple[NDArray[np.float64], NDAr
             RefusalCause.POSE_INVALID,
             f"{at} holds NaN or infinity: check that the tracker has not lost its track",
         )
-    if np.abs(position).max() > FURTHEST:
+    if np.abs(position).max() >= FURTHEST:
         raise FrameRefused(
             RefusalCause.POSE_INVALID,
-            f"{at} lies more than {FURTHEST:.0e} m from the origin: check the tracker's units",
+            f"{at} lies {FURTHEST:.0e} m or more from the origin: check the tracker's units",
         )
     norm = math.hypot(*quaternion)
     if abs(norm - 1.0) > UNIT_TOLERANCE:

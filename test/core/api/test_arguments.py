@@ -97,7 +97,7 @@ def moved(**changes):
     [
         (np.eye(3), r"expected \(4, 4\)"),
         (moved(at={(0, 3): np.nan}), "NaN"),
-        (moved(at={(0, 3): 1e308}), "100,000 km"),
+        (moved(at={(0, 3): 1e308}), "10,000 km"),
         (moved(at={(3, 0): 0.4}), "transposed"),
         (moved(at={(0, 0): -1.0}), "mirrors"),
         (moved(at={(0, 0): 1.1}), "not orthonormal"),
