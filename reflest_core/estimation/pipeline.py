@@ -46,7 +46,8 @@ class KeyframeSnapshot:
     Attributes:
         stamp_ns: stamp of the keyframe's image.
         frame_id: frame of the colour camera.
-        surface: a copy of the scan, thinned evenly where it is large.
+        surface: a copy of the scan, thinned evenly where it is large; ``around`` where that is
+            there and the snapshot came with a fused frame.
         world_frame_id: frame of the surface and of the pose.
         T_world_camera: (4, 4) float64, the keyframe's pose; None where no frame was fused yet, as
             after a load.
@@ -131,7 +132,7 @@ class Pipeline:
         self._last_pose = frame.T_world_camera
         if not self.keyframes.is_keyframe(frame.stamp_ns, frame.T_world_camera):
             return ScannedFrame(fused, None)
-        return ScannedFrame(fused, self.snapshot())
+        return ScannedFrame(fused, self._keyframe())
 
     def _begin_after_jump(self, first: Frame, frame: Frame) -> FusedFrame:
         """Forget the surface and fuse the two frames that came since the tracker jumped."""
@@ -148,11 +149,25 @@ class Pipeline:
         Args:
             most_voxels: a larger scan is thinned evenly to so many voxels.
         """
-        scan, surface, problem = self.scan, self.scan.snapshot(most_voxels), ""
+        around = None
+        if most_voxels <= MOST_VOXELS:
+            around = self.scan.snapshot_around_middle(most_voxels)
+        return self._as_keyframe(self.scan.snapshot(most_voxels), around)
+
+    def _keyframe(self) -> KeyframeSnapshot:
+        """Copy what the estimate at a keyframe needs, once: every copy delays the next frame."""
+        around = self.scan.snapshot_around_middle()
+        if around is None:
+            return self._as_keyframe(self.scan.snapshot(), None)
+        return self._as_keyframe(replace(around, light=self.scan.light.observed()), around)
+
+    def _as_keyframe(
+        self, surface: ObservedSurface, around: ObservedSurface | None
+    ) -> KeyframeSnapshot:
+        scan, problem = self.scan, ""
         if self._known_light is not None and surface.light is not None:
             joined = self._known_light.joined(surface.light)
             surface, problem = replace(surface, light=joined.light), joined.problem
-        around = scan.snapshot_around_middle(most_voxels) if most_voxels <= MOST_VOXELS else None
         return KeyframeSnapshot(
             scan.last_stamp_ns or 0,
             scan.frame_id,
