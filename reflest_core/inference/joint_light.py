@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from reflest_core.inference.gloss.gloss_fit import GlossFit, fit_gloss
 from reflest_core.inference.joint_system import ChannelState, ChannelSystem
-from reflest_core.inference.light_prior import BRIGHT, LightPrior
+from reflest_core.inference.light_prior import SCENE, LightPrior
 from reflest_core.inference.transport.irradiance import incoming
 from reflest_core.inference.transport.light_patches import LightParts, diffuse_response
 from reflest_core.inference.transport.patch_grid import (
@@ -205,7 +205,7 @@ class JointInference:
         gloss: SegmentGloss,
         start: JointLight | None = None,
         turns: int = TURNS,
-        light_prior: LightPrior = BRIGHT,
+        light_prior: LightPrior = SCENE,
         known: JointLight | None = None,
     ) -> JointLight:
         """Solve for the light, and ``rho_d`` and ``rho_s`` of each segment.
