@@ -84,7 +84,7 @@ ESTIMATION_STAGES = (
             "reflest_core.models.lightnet.live:LiveLightNet.evaluate",
         ),
     ),
-    Stage("coverage", ("reflest_core.estimation.estimator:hemisphere_coverage",)),
+    Stage("coverage", ("reflest_core.estimation.publisher:hemisphere_coverage",)),
 )
 STAGES = CAPTURE_STAGES + FUSION_STAGES + ESTIMATION_STAGES
 
