@@ -149,15 +149,20 @@ def compare_with_open3d(path: dict[str, Any], peers: dict[str, Any]) -> dict[str
     return compared
 
 
-def run_live(recording: Recording, bag: str) -> dict[str, Any]:
+def run_live(recording: Recording, bag: str, has_viewer: bool = False) -> dict[str, Any]:
     """Play a recording at its own speed to the node.
 
     Args:
         recording: What was rendered.
         bag: Its rosbag2 folder.
+        has_viewer: Whether the viewer runs beside the node.
     """
     return measured(
-        "benchmarks.live.session", bag=bag, frames=recording.frames, seconds=recording.seconds
+        "benchmarks.live.session",
+        bag=bag,
+        frames=recording.frames,
+        seconds=recording.seconds,
+        has_viewer=has_viewer,
     )
 
 

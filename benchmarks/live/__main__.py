@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""``python -m benchmarks.live [--seconds 60] [--json OUT]``: the live benchmark alone."""
+"""``python -m benchmarks.live [--seconds 60] [--viewer]``: the live benchmark alone."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 
 from benchmarks.__main__ import default_cache
 from benchmarks.plan import FULL
-from benchmarks.report.run_sections import live_section
+from benchmarks.report.run_sections import live_section, viewer_section
 from benchmarks.run import run_live
 from benchmarks.scene.recording import Recording, recorded
 from reflest_core.cli.json_file import check_writable, write_json
@@ -30,13 +30,19 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seconds", type=float, default=FULL.live_seconds)
     parser.add_argument("--rate", type=float, default=FULL.rate, help="frames a second")
     parser.add_argument("--cache", type=Path, default=default_cache(), help="for recordings")
+    parser.add_argument(
+        "--viewer", action="store_true", help="play it again with the viewer: what that costs"
+    )
     parser.add_argument("--json", type=Path, metavar="OUT", help="write the figures as JSON")
     options = parser.parse_args(arguments)
     recording = Recording(*FULL.resolution, round(options.seconds * options.rate), options.rate)
     try:
         if options.json is not None:
             check_writable(options.json)
-        live = run_live(recording, str(recorded(recording, options.cache)))
+        bag = str(recorded(recording, options.cache))
+        live = run_live(recording, bag)
+        if options.viewer:
+            live["with_viewer"] = run_live(recording, bag, has_viewer=True)
         if options.json is not None:
             write_json(options.json, live)
     except ReflestError as error:
@@ -45,6 +51,8 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         return 130
     print(live_section({"live": live}))
+    if options.viewer:
+        print(viewer_section(live))
     return 0
 
 

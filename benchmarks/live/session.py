@@ -7,6 +7,7 @@ from __future__ import annotations
 import os
 import subprocess
 import time
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +31,10 @@ CHANGING = ("messages", "frames", "keyframes", "estimates", "refused")
 """Beginnings of the diagnostics that stand still when the node is through."""
 
 
-def measure(bag: str, frames: int, seconds: float) -> dict[str, Any]:
+MATERIALS = "/reflectance/materials"
+
+
+def measure(bag: str, frames: int, seconds: float, has_viewer: bool = False) -> dict[str, Any]:
     """Play a bag at the speed of its stamps to a node with default settings.
 
     The region of interest is that of the table scene.
@@ -39,6 +43,7 @@ def measure(bag: str, frames: int, seconds: float) -> dict[str, Any]:
         bag: The rosbag2 folder.
         frames: Number of its frames.
         seconds: Its duration.
+        has_viewer: Whether ``ros2 run reflest_ros viewer`` runs beside the node, no page open.
 
     Raises:
         LiveRunFailed: a process ended early or missed its time limit.
@@ -52,11 +57,20 @@ def measure(bag: str, frames: int, seconds: float) -> dict[str, Any]:
             ready = lambda: _is_alive(node) and listener.has_subscriber(RGB)  # noqa: E731
             listener.listen_until(ready, START_LIMIT, "the estimator's start")
             start_up = time.monotonic() - started
-            cpu_before = _cpu_seconds(node.pid)
-            _play(Path(bag), listener, node, seconds)
-            _wait_until_through(listener, node)
-            cores_used = (_cpu_seconds(node.pid) - cpu_before) / seconds
-            peak = peak_mb(node.pid)
+            with ExitStack() as stack:
+                if has_viewer:
+                    command = ["-m", "reflest_ros.viewer", "--ros-args", "-p", "port:=0"]
+                    stack.enter_context(running(command))
+                    listener.listen_until(
+                        lambda: _is_alive(node) and listener.has_subscriber(MATERIALS),
+                        START_LIMIT,
+                        "the viewer's start",
+                    )
+                cpu_before = _cpu_seconds(node.pid)
+                _play(Path(bag), listener, node, seconds)
+                _wait_until_through(listener, node)
+                cores_used = (_cpu_seconds(node.pid) - cpu_before) / seconds
+                peak = peak_mb(node.pid)
         if node.returncode != 0:
             raise LiveRunFailed(f"the estimator ended with exit code {node.returncode}")
     finally:

@@ -72,6 +72,27 @@ def live_section(results: dict[str, Any]) -> str:
     return table((f"{live['seconds']:g} s, {live['frames_played']:,} frames", ""), rows)
 
 
+def viewer_section(live: dict[str, Any]) -> str:
+    """Section: the same bag with and without ``ros2 run reflest_ros viewer`` beside the node.
+
+    Args:
+        live: Result of the live run, with the other one below ``with_viewer``.
+    """
+    both = live, live["with_viewer"]
+    taken = [one["frames_fused"] + one["frames_redundant"] for one in both]
+    rows = [
+        ["frames taken", *(f"{count:,}" for count in taken)],
+        ["estimates", *(str(one["estimates"]) for one in both)],
+        [
+            "estimate latency p50, ms",
+            *(number((one["latency"] or {}).get(PERCENTILES[0])) for one in both),
+        ],
+        ["cores that the node kept busy", *(number(one["cores_used"]) for one in both)],
+        ["frames that the viewer costs", "", f"{1.0 - taken[1] / max(taken[0], 1):.1%}"],
+    ]
+    return table(("", "node alone", "with the viewer"), rows)
+
+
 def _slow(one: dict[str, float]) -> str:
     return (
         f"{number(one['latency_ms'])} ms, {one['at_s']:.0f} s after the first "

@@ -109,6 +109,27 @@ def surface_mesh(scan: Scan, is_watertight: bool = False) -> TriangleMesh:
     return mesh
 
 
+def mesh_of_voxels(
+    positions: NDArray[np.float32], normals: NDArray[np.float32], voxel_size: float, faces: int
+) -> TriangleMesh:
+    """Reconstruct the surface where its voxels alone are at hand, and no volume.
+
+    Args:
+        positions: (V, 3) metres.
+        normals: (V, 3) unit, outward.
+        voxel_size: Edge of a voxel, metres.
+        faces: The mesh is decimated to about so many.
+
+    Raises:
+        ExportError: The voxels make no surface, or a package of the extra ``asset`` is missing.
+    """
+    closed = _poisson(positions, normals, voxel_size)
+    mesh = _without_loose_pieces(_near(closed, positions, OBSERVED_WITHIN * voxel_size), voxel_size)
+    if not len(mesh.faces):
+        raise ExportError("the voxels make no connected surface: scan more of the object")
+    return decimated(mesh, faces)
+
+
 def _marching_cubes(scan: Scan) -> TriangleMesh:
     o3d = open3d()
     volume, blocks = scan.volume, scan.volume.blocks

@@ -55,7 +55,6 @@ OF_ESTIMATES = {
     ColourMode.SPECULAR_DEVIATION: "rho_s_stddev",
     ColourMode.ROUGHNESS_DEVIATION: "alpha_stddev",
 }
-OF_OBSERVATIONS = (ColourMode.OBSERVED, ColourMode.COVERAGE)
 
 
 @dataclass(frozen=True)
@@ -77,9 +76,11 @@ def modes_of(scan: ShownScan) -> tuple[ColourMode, ...]:
     Args:
         scan: what is shown.
     """
-    return tuple(
-        mode for mode in ColourMode if scan.has_observations or mode not in OF_OBSERVATIONS
-    )
+    missing = {
+        *([] if scan.has_colours else [ColourMode.OBSERVED]),
+        *([] if scan.has_observations else [ColourMode.COVERAGE]),
+    }
+    return tuple(mode for mode in ColourMode if mode not in missing)
 
 
 def coloured(scan: ShownScan, mode: ColourMode) -> Colouring:

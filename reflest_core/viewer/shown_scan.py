@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from reflest_core.brdf import srgb
 from reflest_core.estimation.material_map import MaterialEstimate, MaterialMap
 from reflest_core.export.bake import interpolated
-from reflest_core.export.scanned_mesh import TriangleMesh, scanned_mesh
+from reflest_core.export.scanned_mesh import TriangleMesh, mesh_of_voxels, scanned_mesh
 from reflest_core.fusion.scan import Scan
 from reflest_core.rendering.voxel_colours import observed_colours
 from reflest_core.surface.coverage import RINGS, SECTORS, seen_cells
@@ -22,8 +22,6 @@ from reflest_core.surface.observed_surface import ObservedSurface
 
 FACES = 120_000
 """Triangles that a laptop's browser turns smoothly."""
-SQUARE = 1.7
-"""Edge of the square that stands for a voxel, in voxels: neighbours overlap on slopes too."""
 NORMALS_WIDTH, SAME_SIDE = 1.2, 0.5
 """Of the Gaussian that normals are averaged by, in voxels; their least cosine to the mesh's."""
 NO_MATERIAL = 0
@@ -46,6 +44,8 @@ class ShownScan:
             where that is not known.
         light: (L, L, 5) float32, the light of the scan as the finest level of
             :class:`.LightPyramid`, turned so that up is +z; None where it is not known.
+        voxel_colours: (V, 3) uint8 sRGB, the mean that the views saw of each of the map's voxels,
+            where its surface holds no observations; None where that is not known.
     """
 
     vertices: NDArray[np.float32]
@@ -57,6 +57,7 @@ class ShownScan:
     voxel_size: float
     view_stamps: NDArray[np.int64]
     light: NDArray[np.float32] | None = None
+    voxel_colours: NDArray[np.uint8] | None = None
 
     @staticmethod
     def of(
@@ -73,20 +74,10 @@ class ShownScan:
         Raises:
             ExportError: Nothing was scanned, or a package of the extra ``asset`` is missing.
         """
-        mesh = scanned_mesh(scan, faces)
-        normals = _smooth_normals(mesh, found.surface, scan.fusion.voxel_size)
-        _, near = cKDTree(found.surface.positions).query(mesh.vertices)
-        return ShownScan(
-            mesh.vertices,
-            normals,
-            mesh.faces,
-            near.astype(np.int64),
-            found,
-            up,
-            scan.fusion.voxel_size,
-            scan.views.stamps[: scan.views.count].copy(),
-            None if found.light is None else found.light.completed.levels[0],
-        )
+        size = scan.fusion.voxel_size
+        stamps = scan.views.stamps[: scan.views.count].copy()
+        light = None if found.light is None else found.light.completed.levels[0]
+        return _shown(scanned_mesh(scan, faces), found, up, size, stamps, light)
 
     @staticmethod
     def of_voxels(
@@ -94,41 +85,33 @@ class ShownScan:
         up: tuple[float, float, float],
         voxel_size: float,
         light: NDArray[np.float32] | None,
+        voxel_colours: NDArray[np.uint8] | None = None,
     ) -> ShownScan:
-        """Draw each voxel as a square along its surface, where no volume is at hand.
+        """Reconstruct the mesh from the map's voxels, where no volume is at hand.
 
         Args:
             found: the materials.
             up: direction that points up in the world frame.
             voxel_size: between neighbours, metres.
             light: see :attr:`light`.
+            voxel_colours: see :attr:`voxel_colours`.
+
+        Raises:
+            ExportError: There is no surface, or a package of the extra ``asset`` is missing.
         """
         surface = found.surface
-        count = surface.voxel_count
-        helper = np.where(np.abs(surface.normals[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 0, 1.0]])
-        along = np.cross(helper, surface.normals)
-        lengths = np.linalg.norm(along, axis=1, keepdims=True)
-        along *= 0.5 * SQUARE * voxel_size / np.maximum(lengths, 1e-9)
-        across = np.cross(surface.normals, along)
-        corners = np.stack([-along - across, along - across, along + across, across - along], 1)
-        first = 4 * np.arange(count, dtype=np.int32)[:, None]
-        halves = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
-        return ShownScan(
-            (surface.positions[:, None] + corners).reshape(-1, 3).astype(np.float32),
-            np.repeat(surface.normals, 4, axis=0),
-            (first[:, :, None] + halves).reshape(-1, 3),
-            np.repeat(np.arange(count), 4),
-            found,
-            up,
-            voxel_size,
-            np.zeros(0, np.int64),
-            light,
-        )
+        mesh = mesh_of_voxels(surface.positions, surface.normals, voxel_size, FACES)
+        return _shown(mesh, found, up, voxel_size, np.zeros(0, np.int64), light, voxel_colours)
 
     @property
     def has_observations(self) -> bool:
         """Whether the map's surface still holds what the views saw."""
         return len(self.found.surface.colours) > 0
+
+    @property
+    def has_colours(self) -> bool:
+        """Whether :attr:`observed` is known."""
+        return self.has_observations or self.voxel_colours is not None
 
     @cached_property
     def material_ids(self) -> NDArray[np.int64]:
@@ -156,7 +139,8 @@ class ShownScan:
     def observed(self) -> NDArray[np.uint8]:
         """(N, 3) sRGB, the mean that the views saw, between the nearest voxels."""
         surface = self.found.surface
-        linear = srgb.LINEAR[observed_colours(surface)]
+        colours = self.voxel_colours
+        linear = srgb.LINEAR[observed_colours(surface) if colours is None else colours]
         one = np.zeros(surface.voxel_count, np.int32)
         smooth = interpolated(
             self.vertices,
@@ -209,6 +193,30 @@ class ShownScan:
             vertex: its index.
         """
         return self.found.material(int(self.material_ids[vertex]))
+
+
+def _shown(
+    mesh: TriangleMesh,
+    found: MaterialMap,
+    up: tuple[float, float, float],
+    voxel_size: float,
+    stamps: NDArray[np.int64],
+    light: NDArray[np.float32] | None,
+    voxel_colours: NDArray[np.uint8] | None = None,
+) -> ShownScan:
+    _, near = cKDTree(found.surface.positions).query(mesh.vertices)
+    return ShownScan(
+        mesh.vertices,
+        _smooth_normals(mesh, found.surface, voxel_size),
+        mesh.faces,
+        near.astype(np.int64),
+        found,
+        up,
+        voxel_size,
+        stamps,
+        light,
+        voxel_colours,
+    )
 
 
 def _smooth_normals(

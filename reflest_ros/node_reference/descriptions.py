@@ -50,7 +50,8 @@ OUTPUTS = {
         "`normal_x normal_y normal_z`, "
         "`rho_d_r rho_d_g rho_d_b` of each voxel (linear sRGB), `rho_s`, `alpha`, a standard "
         "deviation of each (`..._stddev`), `material_id` (0: of no material), and `rgb`, the "
-        "colour of the material's label."
+        "colour of the material's label; `observed_rgb`, the mean colour that the views saw "
+        "(0x00RRGGBB)."
     ),
     "/reflectance/material_markers": (
         "A text at each material: id, `rho_s`, `alpha` and status, in the colour of its label."

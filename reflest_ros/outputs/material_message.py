@@ -16,6 +16,7 @@ from reflest_core.estimation.estimate import SCHEMA_VERSION, EstimateStatus
 from reflest_core.estimation.material_map import MaterialEstimate, MaterialMap
 from reflest_core.inference.joint_light import JointLight
 from reflest_core.rendering.material_labels import material_colour
+from reflest_core.rendering.voxel_colours import observed_colours
 from reflest_core.surface.partition import UNASSIGNED
 from reflest_ros.inputs.core_messages import ns_to_stamp
 from reflest_ros.msg import Material
@@ -35,9 +36,11 @@ POINT = np.dtype(
         ("alpha_stddev", np.float32),
         ("material_id", np.uint32),
         ("rgb", np.uint32),
+        ("observed_rgb", np.uint32),
     ]
 )
-"""A point of ``reflectance/material_cloud``; ``rgb`` is the colour of the material's label."""
+"""A point of ``reflectance/material_cloud``; ``rgb`` is the colour of the material's label,
+``observed_rgb`` the mean of what the views saw, packed alike."""
 
 TEXT_SHARE = 0.12
 """Height of a marker's text over the extent of its material."""
@@ -148,6 +151,7 @@ def map_to_cloud(materials: MaterialMap) -> PointCloud2:
     present, places = np.unique(ids, return_inverse=True)
     colours = np.array([material_colour(int(one)) for one in present], np.uint8).reshape(-1, 3)
     points["rgb"] = packed_colours(colours)[places]
+    points["observed_rgb"] = packed_colours(observed_colours(surface)[observed])
     return point_cloud(points, materials.world_frame_id, materials.stamp_ns, is_dense=False)
 
 

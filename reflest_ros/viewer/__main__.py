@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import sys
 import threading
 
@@ -17,6 +18,9 @@ from reflest_core.viewer.server import LOOPBACK, PORT, ViewerServer, serve
 from reflest_ros.process import ros_process
 from reflest_ros.settings import NODE_NAME
 from reflest_ros.viewer.live_source import LiveSource
+
+NICE = 10
+"""Of the viewer's process: where processors are scarce, the estimator goes first."""
 
 
 class ViewerNode(Node):
@@ -55,6 +59,7 @@ def main(args: list[str] | None = None) -> int:
     """
     try:
         library("viser")
+        os.nice(NICE)
         with ros_process(args):
             _serve()
     except ReflestError as error:

@@ -29,6 +29,10 @@ ANSWER_S = 120.0
 """Seconds in which a service must answer: an export of a large scan takes a while."""
 FOUND_S = 2.0
 """Seconds in which a service must be there."""
+REST = 4.0
+"""Times as long as a surface took to make, the viewer rests: processors are for the estimator."""
+CHECK_S = 0.25
+"""Seconds between looks for a map that waits."""
 
 
 SERVICES = {"set_region": SetRegion, "reset": Trigger, "save": SaveScan, "export": ExportEstimate}
@@ -60,6 +64,8 @@ class LiveSource:
         self._light: NDArray[np.float32] | None = None
         self._services: dict[str, Any] = {}
         self._lock = threading.Lock()
+        self._is_due, self._free_at = False, 0.0
+        node.create_timer(CHECK_S, self._make_due)
         for kind, topic, take in (
             (MaterialMapMessage, "materials", self._take_materials),
             (PointCloud2, "material_cloud", self._take_cloud),
@@ -180,17 +186,28 @@ class LiveSource:
         """Show map and cloud once both are of one keyframe; an empty map clears the page."""
         materials, cloud = self._materials, self._cloud
         if materials is None or not materials.materials:
+            self._is_due = False
             self._state = SourceState(
                 progress=f"{self.name} has no materials yet: scan on", is_working=True
             )
             return
-        if cloud is None or cloud.header.stamp != materials.header.stamp:
+        self._is_due = cloud is not None and cloud.header.stamp == materials.header.stamp
+        self._make_due()
+
+    def _make_due(self) -> None:
+        """Make the surface of the last map, unless the viewer rests."""
+        materials, cloud, began = self._materials, self._cloud, time.monotonic()
+        if not self._is_due or materials is None or cloud is None or began < self._free_at:
             return
+        self._is_due = False
         try:
             scan = received_scan(materials, cloud, self._light, self.up)
         except ReflestError as error:
             self._state = SourceState(progress=str(error))
             return
+        finally:
+            ended = time.monotonic()
+            self._free_at = ended + REST * (ended - began)
         count = len(materials.materials)
         seconds = stamp_to_ns(materials.header.stamp) / 1e9
         self._state = SourceState(

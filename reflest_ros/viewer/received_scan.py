@@ -52,6 +52,7 @@ def received_scan(
 
     Raises:
         ViewerError: The cloud is of another version of reflest.
+        ExportError: The voxels make no surface yet, or a package is missing.
     """
     names = tuple(field.name for field in cloud.fields)
     kinds = {kind.itemsize: kind for kind in (POINT, far_points(POINT))}
@@ -91,7 +92,10 @@ def received_scan(
     )
     every = max(len(points) // MEASURED, 1)
     distances, _ = cKDTree(positions).query(positions[::every], k=2)
-    return ShownScan.of_voxels(found, up, float(np.median(distances[:, 1])), light)
+    packed = points["observed_rgb"]
+    colours = np.stack([packed >> 16 & 255, packed >> 8 & 255, packed & 255], axis=1)
+    voxel_size = float(np.median(distances[:, 1]))
+    return ShownScan.of_voxels(found, up, voxel_size, light, colours.astype(np.uint8))
 
 
 def received_light(

@@ -57,7 +57,10 @@ def test_materials_come_in_falling_order_of_area_with_their_estimates(shown):
 def test_the_cloud_holds_every_observed_voxel_with_its_material(shown):
     cloud, found = shown["material_cloud"][-1], shown["materials"][-1]
     assert [field.name for field in cloud.fields] == list(POINT.names)
-    assert [f.name for f in cloud.fields if f.datatype == PointField.UINT32] == ["material_id"]
+    assert [f.name for f in cloud.fields if f.datatype == PointField.UINT32] == [
+        "material_id",
+        "observed_rgb",
+    ]
     points = np.frombuffer(bytes(cloud.data), POINT)
     assert len(points) == cloud.width > 100
     known = points[points["material_id"] > 0]
@@ -65,6 +68,9 @@ def test_the_cloud_holds_every_observed_voxel_with_its_material(shown):
     places = np.stack([known[name] for name in "xyz"], axis=-1)
     assert (np.linalg.norm(places - CENTRE, axis=1) < 0.2).all()
     assert ((known["rho_d_r"] >= 0.0) & (known["rho_d_r"] <= 1.0)).all()
+    # The camera sees a red sphere.
+    red, blue = (known["observed_rgb"] >> shift & 255 for shift in (16, 0))
+    assert (red > blue).mean() > 0.9
 
 
 def test_markers_and_overlay_show_the_ids(shown):

@@ -2,10 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The mesh that is shown, what lies under a click, and what colours mean."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from reflest_core.brdf import srgb
+from reflest_core.rendering.voxel_colours import observed_colours
 from reflest_core.viewer.colour_modes import VIRIDIS, ColourMode, coloured, mapped, modes_of
 from reflest_core.viewer.next_views import next_views
 from reflest_core.viewer.picking import vertex_under
@@ -28,14 +32,24 @@ def test_vertices_lie_on_the_ball_and_know_their_material(shown):
     assert set(shown.material_ids[height < -VOXEL]) == {STRIPED_ID}
 
 
-def test_squares_of_voxels_lie_on_the_ball_too():
+def test_the_mesh_of_voxels_alone_is_the_ball_in_the_observed_colours(shown):
     _, found = scanned_ball()
-    squares = ShownScan.of_voxels(found, UP, VOXEL, None)
-    assert len(squares.faces) == 2 * found.surface.voxel_count
-    assert np.abs(np.linalg.norm(squares.vertices, axis=1) - RADIUS).max() < VOXEL
-    corners = squares.vertices[squares.faces]
+    bare = replace(found.surface, colours=found.surface.colours[:0])
+    bare = replace(bare, offsets=np.zeros_like(bare.offsets))
+    colours = observed_colours(found.surface)
+    mesh = ShownScan.of_voxels(replace(found, surface=bare), UP, VOXEL, None, colours)
+    assert np.abs(np.linalg.norm(mesh.vertices, axis=1) - RADIUS).max() < VOXEL
+    corners = mesh.vertices[mesh.faces].astype(float)
     faced = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    assert (np.einsum("fc,fc->f", faced, corners.mean(axis=1)) > 0).all()
+    assert (np.einsum("fc,fc->f", faced, corners.mean(axis=1)) > 0).mean() > 0.999
+    # One surface without gaps: neighbours share their vertices.
+    edges = np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    _, uses = np.unique(edges, axis=0, return_counts=True)
+    assert (uses == 2).mean() > 0.9
+    assert set(modes_of(mesh)) == set(ColourMode) - {ColourMode.COVERAGE}
+    _, near = cKDTree(shown.vertices).query(mesh.vertices)
+    difference = np.abs(mesh.observed.astype(int) - shown.observed[near])
+    assert np.median(difference) <= 3
 
 
 def test_a_ray_finds_the_near_side(shown):
