@@ -143,6 +143,7 @@ class Diagnostics:
             "last material map's duration (s)": f"{session.output.materials.duration:.3f}",
             "last reason for no materials": session.output.materials.failure,
             "depth agreement": f"{session.scanner.poses.agreement:.3f}",
+            "pose jumps": str(session.scanner.poses.jumps),
             "voxels": str(counts.voxels),
             "observations": str(counts.observations),
             "views": str(counts.views),

@@ -127,18 +127,26 @@ class Pipeline:
         """
         fused = self.scan.fuse(frame)
         after_jump = self.poses.add(frame)
-        if after_jump is not None and self.settings.fusion.on_jump == "new_scan":
-            fused = self._begin_after_jump(after_jump, frame)
+        if after_jump is not None and self.settings.fusion.on_jump != "keep":
+            fused = self._go_on_after_jump(after_jump, frame)
         self._last_pose = frame.T_world_camera
         if not self.keyframes.is_keyframe(frame.stamp_ns, frame.T_world_camera):
             return ScannedFrame(fused, None)
         return ScannedFrame(fused, self._keyframe())
 
-    def _begin_after_jump(self, first: Frame, frame: Frame) -> FusedFrame:
-        """Forget the surface and fuse the two frames that came since the tracker jumped."""
-        self.scan.reset()
-        self._memory = ScanMemory()
-        self.poses.drop_before_jump()
+    def _go_on_after_jump(self, first: Frame, frame: Frame) -> FusedFrame:
+        """Forget the surface, or what the two frames since the tracker's jump contradict of it.
+
+        These two are fused again, into what is left.
+        """
+        is_new = self.settings.fusion.on_jump == "new_scan"
+        self.poses.drop_before_jump(is_new)
+        if is_new:
+            self.scan.reset()
+            self._memory = ScanMemory()
+        else:
+            self.scan.check_after_jump((first, frame))
+            self.scan.restart_clock()
         with contextlib.suppress(FrameRefused):  # it was fused for what lay before the jump
             self.scan.fuse(first)
         return self.scan.fuse(frame)

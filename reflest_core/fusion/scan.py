@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,7 @@ from reflest_core.fusion.observations.observation_chunks import ChunkPool
 from reflest_core.fusion.observations.observation_store import ObservationStore
 from reflest_core.fusion.observations.redundancy import WELL_KNOWN_SHARE, known_frame
 from reflest_core.fusion.observations.views import ViewTable
+from reflest_core.fusion.poses.disagreement import contradicted_blocks
 from reflest_core.fusion.scan_check import check_arrays, checked_header
 from reflest_core.fusion.scan_file import damaged, read_scan, restore_rows, write_scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
@@ -62,6 +64,8 @@ class Scan:
         middle: (3,) float64, the surface point in the middle of the last view; None before the
             first one, and where a region or a mask says what is looked at.
         frame_number: Frames fused.
+        unchecked_until: Number of the last frame before a jump of the tracker: surface that was
+            last seen up to then is dropped where later frames contradict it; -1 without a jump.
         last_stamp_ns: Stamp of the last one, None before the first.
         frame_id: The camera's frame of the last one.
         world_frame_id: The world frame of the last one.
@@ -95,7 +99,7 @@ class Scan:
         self.work_sphere, self.material_ids = WorkSphere(), GivenIds()
         self.middle: NDArray[np.float64] | None = None
         self._set_origin(np.zeros(3))
-        self.frame_number = 0
+        self.frame_number, self.unchecked_until = 0, -1
         self.last_stamp_ns: int | None = None
         self.frame_id, self.world_frame_id = "", ""
         self._clock_ns: int | None = None
@@ -154,6 +158,8 @@ class Scan:
         self.middle = view_middle(whole, self.fusion.max_depth) if self._is_scene(whole) else None
         foreground, background = foreground_background_means(whole.rgb, is_foreground)
         fused = FusedFrame(frame.stamp_ns, frame.frame_id, foreground, background)
+        if self.unchecked_until >= 0:
+            self._drop_contradicted(frame)
         known = known_frame(
             frame, pixels, self.store, self.views, self.fusion.voxel_size, self.fusion.view_spacing
         )
@@ -220,6 +226,26 @@ class Scan:
     def _set_origin(self, origin: NDArray[np.float64]) -> None:
         self.origin = origin
         self.region = Region.from_settings(self.region_settings).relative_to(origin)
+
+    def check_after_jump(self, frames: Sequence[Frame]) -> None:
+        """Drop what frames contradict, now and as further frames come.
+
+        Args:
+            frames: Those since the tracker jumped, world frame; they may have been fused already.
+        """
+        self.unchecked_until = self.frame_number
+        for frame in frames:
+            self._drop_contradicted(frame.relative_to(self.origin))
+
+    def _drop_contradicted(self, frame: Frame) -> None:
+        """Erase blocks that were last seen before a jump and are not where a frame shows them."""
+        rows, count = self.store.rows, self.store.count
+        old = np.flatnonzero(rows.last_seen[:count] <= self.unchecked_until)
+        if not len(old):
+            self.unchecked_until = -1
+            return
+        surface = rows.keys[old], rows.positions[old], rows.normals[old]
+        self.store.remove(self.volume.remove(contradicted_blocks(*surface, frame)))
 
     def _is_scene(self, frame: Frame) -> bool:
         """Whether everything within the work sphere is scanned."""
@@ -312,6 +338,7 @@ class Scan:
             "region": dataclasses.asdict(self.region_settings),
             "origin": self.origin.tolist(),
             "frame_number": self.frame_number,
+            "unchecked_until": self.unchecked_until,
             "last_stamp_ns": self.last_stamp_ns,
             "frame_id": self.frame_id,
             "world_frame_id": self.world_frame_id,
@@ -367,6 +394,7 @@ class Scan:
             scan.volume.restore(counts["volume"])
             scan.store.restore(counts["store"], counts["chunks"], counts["views"])
             scan.frame_number = header.frame_number
+            scan.unchecked_until = header.unchecked_until
             scan.last_stamp_ns = scan._clock_ns = header.last_stamp_ns
             scan.frame_id, scan.world_frame_id = header.frame_id, header.world_frame_id
             scan.work_sphere = WorkSphere.from_json(header.work_sphere)

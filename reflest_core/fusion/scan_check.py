@@ -44,6 +44,7 @@ class ScanHeader:
         region: Its region of interest.
         origin: Of its coordinates in the world frame, metres.
         frame_number: Frames that it took in.
+        unchecked_until: Number of the last one before a jump of the tracker; -1 without one.
         last_stamp_ns: Stamp of the last one, None where there is none.
         frame_id: The camera's frame.
         world_frame_id: The world frame.
@@ -57,6 +58,7 @@ class ScanHeader:
     region: RegionSettings
     origin: tuple[float, float, float]
     frame_number: int
+    unchecked_until: int
     last_stamp_ns: int | None
     frame_id: str
     world_frame_id: str
@@ -87,6 +89,7 @@ def checked_header(header: Mapping[str, Any]) -> ScanHeader:
             ),
             _vector(header.get("origin", [0.0, 0.0, 0.0])),
             _integer(header["frame_number"], 0, MOST_FRAMES),
+            _integer(header.get("unchecked_until", -1), -1, MOST_FRAMES),
             None if stamp_ns is None else _integer(stamp_ns, -(2**63), 2**63 - 1),
             _name(header.get("frame_id", "")),
             _name(header.get("world_frame_id", "")),

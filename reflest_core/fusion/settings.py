@@ -81,8 +81,9 @@ class FusionSettings:
     on_jump: str = parameter(
         "new_scan",
         "When the tracker jumps in mid-scan, as at a loop closure: new_scan drops what was scanned "
-        "before and goes on from there, keep goes on in the same scan. Both say so in the status.",
-        choices=("new_scan", "keep"),
+        "before and goes on from there, drop goes on in the same scan and drops what later frames "
+        "contradict, keep goes on with everything. All say so in the status.",
+        choices=("new_scan", "drop", "keep"),
     )
     threads: int = parameter(
         2,

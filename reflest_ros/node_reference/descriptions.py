@@ -88,6 +88,7 @@ DIAGNOSTICS = {
         "Share of a keyframe's depth that meets the next one's under the given poses; nan before "
         "the second."
     ),
+    "pose jumps": "Jumps of the tracker since the scan began; see `fusion.on_jump`.",
     "voxels": "Surface voxels in the store.",
     "observations": "Observations in the store.",
     "views": "Views in the store.",

@@ -46,6 +46,11 @@ RAY_PAIRS = 16
 RAY_COST = 0.7
 """Depth is a ray's length where reading it so cuts the cost to less than this share."""
 
+MIXED = (
+    "surfaces from before and after are mixed: reset the scan, or set fusion.on_jump to new_scan "
+    "or drop"
+)
+
 
 @dataclass(frozen=True)
 class PoseReport:
@@ -90,7 +95,7 @@ class PoseCheck:
         self._previous_frame: Frame | None = None
         self._before_jump: DepthSample | None = None
         self._jumps: list[int] = []
-        self._was_dropped = False
+        self._dropped = MIXED
         self._judged: tuple[int, str] = (0, "")
 
     def add(self, frame: Frame) -> Frame | None:
@@ -109,9 +114,17 @@ class PoseCheck:
         self._previous, self._previous_frame = sample, frame
         return after_jump
 
-    def drop_before_jump(self) -> None:
-        """Note that what was scanned before the last jump was dropped."""
-        self._was_dropped = True
+    def drop_before_jump(self, is_all: bool) -> None:
+        """Note what becomes of the surface from before the last jump.
+
+        Args:
+            is_all: all of it was dropped; else what later frames contradict is.
+        """
+        self._dropped = (
+            "what was scanned before the last was dropped"
+            if is_all
+            else "what later frames contradict of the surface from before is dropped"
+        )
 
     def restart(self) -> None:
         """Compare the next frame with none before it, as after a jump of the clock."""
@@ -122,6 +135,11 @@ class PoseCheck:
         """Median share of depth that meets, in [0, 1]; NaN without pairs. For any thread."""
         shares = sorted(self._shares)
         return shares[len(shares) // 2] if shares else math.nan
+
+    @property
+    def jumps(self) -> int:
+        """Jumps of the tracker since the scan began. For any thread."""
+        return len(self._jumps)
 
     @property
     def report(self) -> PoseReport:
@@ -155,7 +173,7 @@ class PoseCheck:
             if not across.is_known or across.share >= JUMP * usual:
                 return None
             self._jumps.append(stamp_ns)
-            self._was_dropped = False
+            self._dropped = MIXED
             self._reference = self._previous
             return self._previous_frame
         if before is None:
@@ -224,18 +242,10 @@ class PoseCheck:
     def _jump(self) -> str:
         if not self._jumps:
             return ""
-        dropped = (
-            "what was scanned before the last was dropped"
-            if self._was_dropped
-            else (
-                "surfaces from before and after are mixed: reset the scan, or set fusion.on_jump "
-                "to new_scan"
-            )
-        )
         times = "once" if len(self._jumps) == 1 else f"{len(self._jumps)} times"
         return (
             f"the tracker jumped {times}, last at {self._jumps[-1] / 1e9:.3f} s (a loop closure or "
-            f"a relocalisation?): {dropped}"
+            f"a relocalisation?): {self._dropped}"
         )
 
 

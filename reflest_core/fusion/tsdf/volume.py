@@ -163,6 +163,20 @@ class TsdfVolume:
             touched[:touched_count] = seen
         return touched[:touched_count].copy(), np.concatenate(erased)
 
+    def remove(self, keys: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Erase blocks.
+
+        Args:
+            keys: (B,) packed keys of blocks, stored or not.
+
+        Returns:
+            The keys of the surface voxels that were in them.
+        """
+        slots = np.flatnonzero(np.isin(self.blocks.keys[: self.count], keys))
+        erased = surface_keys(slots, self.blocks)
+        self.count = erase_blocks(slots, self.blocks, self.count)
+        return erased
+
     def in_sight(
         self, near: NDArray[np.int64], frame: Frame, max_depth: float, frame_number: int
     ) -> NDArray[np.int64]:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial import KDTree
 
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.estimation.estimate import EstimateStatus
@@ -47,6 +48,27 @@ def test_keep_goes_on_in_the_same_scan_and_says_that_it_is_mixed(frames):
     pipeline = scanned(frames, on_jump="keep")
     assert pipeline.scan.view_count == len(frames)
     assert "mixed" in pipeline.estimate(pipeline.snapshot()).status_text
+
+
+def test_drop_keeps_what_later_frames_confirm_and_no_ghosts(frames):
+    """Past the object's outline the capture has no depth, and nothing contradicts ghosts there."""
+    new = KDTree(scanned(frames[9:]).snapshot().surface.positions)
+
+    def ghosts(policy):
+        positions = scanned(frames, on_jump=policy).snapshot().surface.positions
+        return (new.query(positions)[0] > 0.01).mean()
+
+    assert ghosts("keep") > 0.4
+    assert ghosts("drop") < 0.5 * ghosts("keep")
+
+
+def test_drop_goes_on_in_the_same_scan_and_latches_the_jump(frames):
+    pipeline = scanned(frames, on_jump="drop")
+    assert pipeline.scan.view_count > len(frames) - 9
+    estimate = pipeline.estimate(pipeline.snapshot())
+    assert estimate.status is EstimateStatus.INCONSISTENT_POSES
+    assert "contradict" in estimate.status_text
+    assert pipeline.poses.jumps == 1
 
 
 def test_a_reset_forgets_the_jump(frames):

@@ -114,7 +114,7 @@ def test_a_jump_is_confirmed_by_the_frame_after_it(frames):
     assert answers[13] is jumped[12]
     assert check.report.jumps == 1
     assert "fusion.on_jump" in check.report.problem
-    check.drop_before_jump()
+    check.drop_before_jump(is_all=True)
     assert "was dropped" in check.report.problem
 
 
