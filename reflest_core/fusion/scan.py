@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,28 +14,19 @@ from reflest_core.capture.frame import Frame
 from reflest_core.fusion.frames import sight
 from reflest_core.fusion.frames.background_light import background_pixels, sampling_step
 from reflest_core.fusion.frames.foreground import classify_pixels
-from reflest_core.fusion.frames.region import Region, RegionShape
+from reflest_core.fusion.frames.region import RegionShape
 from reflest_core.fusion.frames.view_middle import view_middle
 from reflest_core.fusion.frames.visibility import visible_voxels
 from reflest_core.fusion.frames.window import cropped, object_window
-from reflest_core.fusion.frames.work_sphere import WorkSphere, without_holes
+from reflest_core.fusion.frames.work_sphere import without_holes
 from reflest_core.fusion.fused_frame import FusedFrame
-from reflest_core.fusion.memory_budget import MemoryBudget, MemoryBudgetError
 from reflest_core.fusion.observations.colour_statistics import foreground_background_means
 from reflest_core.fusion.observations.exposure import surface_shifts
-from reflest_core.fusion.observations.observation_chunks import ChunkPool
-from reflest_core.fusion.observations.observation_store import ObservationStore
 from reflest_core.fusion.observations.redundancy import WELL_KNOWN_SHARE, known_frame
-from reflest_core.fusion.observations.views import ViewTable
 from reflest_core.fusion.poses.disagreement import contradicted_blocks
-from reflest_core.fusion.scan_check import check_arrays, checked_header
-from reflest_core.fusion.scan_file import damaged, read_scan, restore_rows, write_scan
-from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.fusion.scan_state import ScanState
 from reflest_core.fusion.snapshot import MOST_VOXELS, observed_surface
-from reflest_core.fusion.tsdf.volume import TsdfVolume
 from reflest_core.light.exposure_gain import may_share_view
-from reflest_core.light.light_map import LightMap
-from reflest_core.surface.material_ids import GivenIds
 from reflest_core.surface.observed_surface import ObservedSurface
 
 FAR = 100.0
@@ -46,78 +36,11 @@ NEW_SURFACE_SHARE = 0.2
 """A frame near a stored view is a new view if more than this share of what it sees is new."""
 
 
-class Scan:
-    """TSDF volume, voxel observations, views and light of one scan.
+class Scan(ScanState):
+    """Takes frames in; its state is what they showed.
 
     Not thread-safe: fuse and snapshot from one thread. A snapshot is a copy, for any thread.
-
-    Attributes:
-        fusion: Settings.
-        region_settings: The region of interest, world frame.
-        origin: (3,) float64, of the scan's own coordinates in the world frame, metres: 0, or near
-            the first camera where that is far away. Everything below is in the scan's coordinates.
-        volume: The TSDF.
-        store: The observations of voxels.
-        views: The stored views.
-        light: What the background showed.
-        work_sphere: What is scanned where there is no region.
-        middle: (3,) float64, the surface point in the middle of the last view; None before the
-            first one, and where a region or a mask says what is looked at.
-        frame_number: Frames fused.
-        unchecked_until: Number of the last frame before a jump of the tracker: surface that was
-            last seen up to then is dropped where later frames contradict it; -1 without a jump.
-        last_stamp_ns: Stamp of the last one, None before the first.
-        frame_id: The camera's frame of the last one.
-        world_frame_id: The world frame of the last one.
     """
-
-    def __init__(self, fusion: FusionSettings, region: RegionSettings) -> None:
-        """Begin an empty scan.
-
-        Args:
-            fusion: Settings.
-            region: The region of interest.
-
-        Raises:
-            MemoryBudgetError: The machine cannot give what ``memory_budget_mb`` asks for.
-        """
-        self.fusion = fusion
-        self.set_region(region)
-
-    def reset(self) -> None:
-        """Forget everything that was scanned."""
-        budget = MemoryBudget.from_settings(self.fusion)
-        try:
-            self.volume = TsdfVolume(self.fusion.voxel_size, self.fusion.truncation, budget.blocks)
-            self.store = ObservationStore(
-                budget.voxels, budget.chunks, self.fusion.observations_per_voxel
-            )
-        except MemoryError:
-            raise MemoryBudgetError.of(self.fusion) from None
-        self.views = ViewTable(budget.views)
-        self.light = LightMap()
-        self.work_sphere, self.material_ids = WorkSphere(), GivenIds()
-        self.middle: NDArray[np.float64] | None = None
-        self._set_origin(np.zeros(3))
-        self.frame_number, self.unchecked_until = 0, -1
-        self.last_stamp_ns: int | None = None
-        self.frame_id, self.world_frame_id = "", ""
-        self._clock_ns: int | None = None
-
-    def set_region(self, region: RegionSettings) -> None:
-        """Begin a scan of another region.
-
-        What was scanned is forgotten: F and B of the stored views belong to the old region.
-
-        Args:
-            region: The region of interest.
-        """
-        self.region_settings = region
-        self.reset()
-
-    def restart_clock(self) -> None:
-        """Take any stamp next, as after a clock jump; what was scanned stays."""
-        self._clock_ns = None
 
     def fuse(self, frame: Frame) -> FusedFrame:
         """Take a frame in; of one that looks away from the scanned surface, the light alone.
@@ -223,10 +146,6 @@ class Scan:
             observations_kept=kept,
         )
 
-    def _set_origin(self, origin: NDArray[np.float64]) -> None:
-        self.origin = origin
-        self.region = Region.from_settings(self.region_settings).relative_to(origin)
-
     def check_after_jump(self, frames: Sequence[Frame]) -> None:
         """Drop what frames contradict, now and as further frames come.
 
@@ -323,126 +242,6 @@ class Scan:
         stages = self.store, self.views, self.fusion
         surface = observed_surface(*stages, most_voxels, self.middle)
         return dataclasses.replace(surface, origin=self.origin)
-
-    def save(self, path: Path | str) -> None:
-        """Write the scan to one file, replacing it whole or not at all.
-
-        Args:
-            path: The file.
-
-        Raises:
-            OutputError: The file cannot be written; it is as it was before.
-        """
-        header = {
-            "fusion": dataclasses.asdict(self.fusion),
-            "region": dataclasses.asdict(self.region_settings),
-            "origin": self.origin.tolist(),
-            "frame_number": self.frame_number,
-            "unchecked_until": self.unchecked_until,
-            "last_stamp_ns": self.last_stamp_ns,
-            "frame_id": self.frame_id,
-            "world_frame_id": self.world_frame_id,
-            "exposure_gain": self.light.gain,
-            "work_sphere": dataclasses.asdict(self.work_sphere),
-            "middle": None if self.middle is None else self.middle.tolist(),
-            "next_material_id": self.material_ids.next_id,
-        }
-        arrays = {
-            f"{part}_{name}": array[: stage.count]
-            for part, stage in self._stages()
-            for name, array in stage.arrays.items()
-        }
-        arrays |= {f"light_{name}": array for name, array in self.light.arrays.items()}
-        write_scan(Path(path), header, arrays | self.material_ids.arrays)
-
-    @classmethod
-    def load(cls, path: Path | str, own: FusionSettings | None = None) -> Scan:
-        """Read a saved scan; it continues exactly as the saved one would have.
-
-        Args:
-            path: The file.
-            own: Settings of whoever loads it: their memory budget and threads hold, the rest is the
-                scan's; None: all is the scan's.
-
-        Returns:
-            The scan.
-
-        Raises:
-            ScanFileError: The file is missing, damaged or of another version.
-            MemoryBudgetError: The budget is too small for the scan, or too large for the machine.
-        """
-        path = Path(path)
-        stored, arrays = read_scan(path)
-        try:
-            header = checked_header(stored)
-            fusion = header.fusion
-            if own is not None:
-                fusion = dataclasses.replace(
-                    fusion, memory_budget_mb=own.memory_budget_mb, threads=own.threads
-                )
-                MemoryBudget.from_settings(fusion).check_room(path, arrays)
-            check_arrays(arrays, fusion, header.frame_number)
-            scan = cls(fusion, header.region)
-            scan._set_origin(np.array(header.origin))
-            counts = {
-                part: restore_rows(f"{part}_", stage.arrays, arrays)
-                for part, stage in scan._stages()
-            }
-            restore_rows("light_", scan.light.arrays, arrays)
-            scan.light.gain = header.exposure_gain
-            scan.views.count = counts["views"]
-            scan.volume.restore(counts["volume"])
-            scan.store.restore(counts["store"], counts["chunks"], counts["views"])
-            scan.frame_number = header.frame_number
-            scan.unchecked_until = header.unchecked_until
-            scan.last_stamp_ns = scan._clock_ns = header.last_stamp_ns
-            scan.frame_id, scan.world_frame_id = header.frame_id, header.world_frame_id
-            scan.work_sphere = WorkSphere.from_json(header.work_sphere)
-            scan.middle = None if header.middle is None else np.array(header.middle)
-            scan.material_ids = GivenIds.stored(stored, arrays)
-        except (KeyError, TypeError, ValueError, OverflowError) as error:
-            raise damaged(path, error) from None
-        return scan
-
-    @property
-    def voxel_count(self) -> int:
-        """Surface voxels in the store."""
-        return self.store.count
-
-    @property
-    def observation_count(self) -> int:
-        """Observations in the store."""
-        return self.store.observation_count
-
-    @property
-    def view_count(self) -> int:
-        """Stored views."""
-        return self.views.stored
-
-    @property
-    def nbytes(self) -> int:
-        """Bytes reserved by volume, store, views and light; at most ``memory_budget_mb``."""
-        return self.volume.nbytes + self.store.nbytes + self.views.nbytes + self.light.nbytes
-
-    @property
-    def fill(self) -> float:
-        """Share of the fullest of volume, store and views; near 1, old voxels give way to new."""
-        return max(
-            self.volume.count / self.volume.capacity,
-            self.store.count / self.store.capacity,
-            self.store.pool.taken / self.store.pool.capacity,
-            self.views.stored / self.views.capacity,
-        )
-
-    def _stages(
-        self,
-    ) -> tuple[tuple[str, TsdfVolume | ObservationStore | ChunkPool | ViewTable], ...]:
-        return (
-            ("volume", self.volume),
-            ("store", self.store),
-            ("chunks", self.store.pool),
-            ("views", self.views),
-        )
 
     def _looks_away(self, frame: Frame) -> bool:
         """Whether a surface is known by now, and the frame shows what lies beside it."""

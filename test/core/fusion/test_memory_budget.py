@@ -53,6 +53,6 @@ def test_budget_beyond_the_machine_is_one_sentence(monkeypatch):
     def refuse(*_args, **_kwargs):
         raise MemoryError
 
-    monkeypatch.setattr("reflest_core.fusion.scan.TsdfVolume", refuse)
+    monkeypatch.setattr("reflest_core.fusion.scan_state.TsdfVolume", refuse)
     with pytest.raises(MemoryBudgetError, match="memory_budget_mb = 256 MB"):
         Scan(FusionSettings(), RegionSettings())
