@@ -99,6 +99,7 @@ class ScanSession:
             )
             self.output = EstimateOutput(node)
             on_failure.callback(self.output.destroy)
+            self.scanner.is_all_shown = lambda: self.output.are_voxels_watched
             self.estimation = EstimationWorker(
                 self.scanner.estimate, self.output, on_crash, self._materials
             )

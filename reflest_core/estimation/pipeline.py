@@ -92,6 +92,15 @@ class Pipeline:
     """Fuses frames and estimates the material of what they show.
 
     :meth:`estimate` only reads its snapshot: it may run in one other thread while frames go on.
+
+    Attributes:
+        settings: all parameters.
+        estimator: estimates the materials of what was scanned.
+        scan: what was scanned.
+        keyframes: which frames are estimated from.
+        poses: how well frames meet.
+        is_all_shown: says at a keyframe whether somebody looks at the whole surface; its snapshot
+            then has voxels of all of it, beside those around the middle of the view.
     """
 
     def __init__(self, settings: ReflestSettings) -> None:
@@ -110,6 +119,7 @@ class Pipeline:
         self.scan = Scan(settings.fusion, settings.region)
         self.keyframes = KeyframePolicy(settings.keyframe)
         self.poses = PoseCheck()
+        self.is_all_shown: Callable[[], bool] = lambda: False
         self._last_pose: NDArray[np.float64] | None = None
         self._memory = ScanMemory()
 
@@ -165,8 +175,8 @@ class Pipeline:
     def _keyframe(self) -> KeyframeSnapshot:
         """Copy what the estimate at a keyframe needs, once: every copy delays the next frame."""
         around = self.scan.snapshot_around_middle()
-        if around is None:
-            return self._as_keyframe(self.scan.snapshot(), None)
+        if around is None or self.is_all_shown():
+            return self._as_keyframe(self.scan.snapshot(), around)
         return self._as_keyframe(replace(around, light=self.scan.light.observed()), around)
 
     def _as_keyframe(

@@ -97,6 +97,11 @@ class EstimateOutput:
         self.materials = MaterialOutput(node)
 
     @property
+    def are_voxels_watched(self) -> bool:
+        """Whether anyone looks at the cloud of the scan's voxels."""
+        return any(view.is_watched for view in self._views if isinstance(view, VoxelCloud))
+
+    @property
     def topic(self) -> str:
         """The full name of the estimates' topic."""
         name: str = self._publisher.topic_name

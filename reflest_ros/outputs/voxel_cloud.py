@@ -51,6 +51,11 @@ class VoxelCloud:
         self._publisher = ViewPublisher(node, PointCloud2, "reflectance/voxels")
         self._frame_id = ""
 
+    @property
+    def is_watched(self) -> bool:
+        """Whether anyone subscribes to the cloud."""
+        return self._publisher.is_watched
+
     def show(self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None) -> None:
         """Show the surface at a keyframe.
 

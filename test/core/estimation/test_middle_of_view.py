@@ -86,6 +86,18 @@ def test_a_large_scan_is_estimated_around_the_middle():
     assert pipeline.snapshot().around is None
 
 
+def test_a_keyframe_has_voxels_of_all_where_somebody_looks_at_them():
+    fusion = dataclasses.replace(SETTINGS.fusion, voxel_size=0.0025, memory_budget_mb=128.0)
+    for is_shown in (False, True):
+        pipeline = Pipeline(dataclasses.replace(SETTINGS, fusion=fusion))
+        pipeline.is_all_shown = lambda is_shown=is_shown: is_shown
+        keyframes = [pipeline.fuse(frame).keyframe for frame in orbit_frames(8, (NEAR, FAR))]
+        surface, around = keyframes[-1].surface, keyframes[-1].around
+        away = np.linalg.norm(surface.positions - keyframes[-1].middle, axis=1)
+        reach = np.linalg.norm(around.positions - keyframes[-1].middle, axis=1).max()
+        assert (away.max() > 1.5 * reach) == is_shown
+
+
 def test_a_saved_scan_keeps_its_middle(tmp_path):
     pipeline = Pipeline(SETTINGS)
     for view in range(6):
