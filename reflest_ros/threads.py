@@ -61,6 +61,10 @@ def resolve(futures: Sequence[Future[T]], work: Callable[[], T]) -> None:
             future.set_result(result)
 
 
+def _nothing() -> None:
+    """A task whose only purpose is to be one."""
+
+
 class Spinning:
     """Runs the callbacks of an executor's nodes in a thread of its own."""
 
@@ -89,8 +93,9 @@ class Spinning:
     def stop(self) -> None:
         """End the thread after the current callback, then shut the executor down."""
         self._is_ending.set()
-        self._executor.wake()
         if self._thread.ident is not None:
+            # Of a wait with nothing to do rclpy's executors return to run a task, not when woken.
+            self._executor.create_task(_nothing)
             self._thread.join()
         self._executor.shutdown()
 

@@ -8,10 +8,12 @@ import threading
 
 import pytest
 import rclpy
+from rclpy.executors import MultiThreadedExecutor
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
+from reflest_ros import threads
 from reflest_ros.services.service_pool import ServicePool
 from reflest_ros.threads import Spinning
 
@@ -109,3 +111,19 @@ def test_a_service_that_was_withdrawn_is_gone(owner):
     pool.withdraw(pool.services)
     offered = dict(node.get_service_names_and_types_by_node(node.get_name(), node.get_namespace()))
     assert "/robot/scanner/mine" not in offered
+
+
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize("kind", [MultiThreadedExecutor, EventsExecutor])
+def test_a_thread_that_waits_for_callbacks_ends_at_once(context, kind, monkeypatch):
+    monkeypatch.setattr(threads, "LONGEST_WAIT", 600.0)
+    node, executor = Node("idle", context=context), kind(context=context)
+    executor.add_node(node)
+    called = threading.Event()
+    timer = node.create_timer(0.01, called.set)
+    spinning = Spinning(executor, "idle", lambda _: None)
+    spinning.start()
+    assert called.wait(SOON)
+    timer.cancel()
+    spinning.stop()
+    node.destroy_node()
