@@ -20,6 +20,11 @@ from reflest_core.estimation.material_map import MaterialMap
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.fusion.poses.check import PoseCheck, PoseReport
 
+MOST_ROWS = 24
+"""Materials that the table on the terminal shows."""
+MOST_IDS = 6
+"""Ids that a warning names."""
+
 
 @dataclass
 class ReplayResult:
@@ -109,12 +114,13 @@ def material_lines(materials: MaterialMap, is_terminal: bool = False) -> list[st
         is_terminal: draw a patch of each colour by a terminal's escape codes.
 
     Returns:
-        A line of titles, then one for each material: id, area, Ward values with one standard
-        deviation, error of the rendered colours, status; then each warning once.
+        A line of titles, then one for each of the largest :data:`MOST_ROWS` materials: id, area,
+        Ward values with one standard deviation, error of the rendered colours, status; then what
+        they leave out, and each kind of warning once.
     """
     titles = ("  id", f"{'cm2':>8}", f"{'rho_d, linear sRGB':36}", f"{'rho_s':13}", f"{'alpha':13}")
     lines = ["  ".join((*titles, "error", "status"))]
-    for material in materials.materials:
+    for material in materials.materials[:MOST_ROWS]:
         found = material.estimate
         columns = [
             f"{material.id:4d}",
@@ -127,9 +133,22 @@ def material_lines(materials: MaterialMap, is_terminal: bool = False) -> list[st
         ]
         patch = _colour_patch(found.rho_d) if is_terminal else ""
         lines.append("  ".join(columns) + patch)
+    smaller = materials.materials[MOST_ROWS:]
+    if smaller:
+        share = sum(one.area for one in smaller) / sum(one.area for one in materials.materials)
+        lines.append(
+            f"  and {len(smaller)} smaller ones, {share:.0%} of the area: "
+            "--json and --materials hold all"
+        )
     for sentence, ids in materials.warnings().items():
-        lines.append(f"  id {', '.join(map(str, ids))}: {sentence}")
+        lines.append(f"  id {_listed(ids)}: {sentence}")
     return lines
+
+
+def _listed(ids: Sequence[int]) -> str:
+    """The first ids, and how many more."""
+    named = ", ".join(map(str, ids[:MOST_IDS]))
+    return named if len(ids) <= MOST_IDS else f"{named} and {len(ids) - MOST_IDS} more"
 
 
 def _colour_patch(rho_d: Sequence[float]) -> str:

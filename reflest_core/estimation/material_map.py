@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_core.estimation.reliability import grouped_warnings
 from reflest_core.inference.light import SceneLight
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import UNASSIGNED, Partition
@@ -124,12 +125,13 @@ class MaterialMap:
         )
 
     def warnings(self) -> dict[str, list[int]]:
-        """Return each sentence of the estimates' status once, with the ids that it is about."""
-        about: dict[str, list[int]] = {}
-        for found in self.materials:
-            for sentence in filter(None, found.estimate.status_text.split("; ")):
-                about.setdefault(sentence, []).append(found.id)
-        return about
+        """Return each kind of warning once, see :func:`.grouped_warnings`."""
+        return grouped_warnings(
+            (found.id, sentence)
+            for found in self.materials
+            for sentence in found.estimate.status_text.split("; ")
+            if sentence
+        )
 
     def of_voxels(self, name: str) -> NDArray[np.float32]:
         """Spread a number of the materials' estimates over the voxels.

@@ -5,7 +5,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+import re
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from reflest_core.estimation.estimate import EstimateStatus
@@ -15,6 +16,7 @@ from reflest_core.surface.colour_problems import NO_PROBLEMS, ColourProblems
 
 EstimateWarning = tuple[EstimateStatus, str]
 """A status and its sentence."""
+_NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)")
 MOST_ERROR = 1.0
 """Photometric error that no estimate may have without a warning."""
 
@@ -95,6 +97,36 @@ def warnings_of(evidence: Evidence, settings: EstimationSettings) -> Iterator[Es
             f"rendered, it misses what was observed by {min(evidence.photometric_error, 99):.0%}: "
             "look round the room, and scan from more sides",
         )
+
+
+def grouped_warnings(warnings: Iterable[tuple[int, str]]) -> dict[str, list[int]]:
+    """Join the warnings of several materials that differ in their numbers alone.
+
+    Args:
+        warnings: a material's id and a sentence about it.
+
+    Returns:
+        The ids that each sentence is about, in the given order; where numbers differ, the sentence
+        has the least and the greatest, as in "2 to 9% of view directions seen".
+    """
+    ids: dict[tuple[str, ...], list[int]] = {}
+    numbers: dict[tuple[str, ...], list[list[str]]] = {}
+    for material_id, sentence in warnings:
+        parts = _NUMBER.split(sentence)
+        words = tuple(parts[::2])
+        ids.setdefault(words, []).append(material_id)
+        numbers.setdefault(words, []).append(parts[1::2])
+    joined = {}
+    for words, found in ids.items():
+        ranges = [_range(one) for one in zip(*numbers[words], strict=True)]
+        between = zip(words, [*ranges, ""], strict=True)
+        joined["".join(word + number for word, number in between)] = found
+    return joined
+
+
+def _range(numbers: tuple[str, ...]) -> str:
+    least, greatest = min(numbers, key=float), max(numbers, key=float)
+    return least if least == greatest else f"{least} to {greatest}"
 
 
 def _of_light(light: LightKnowledge, settings: EstimationSettings) -> Iterator[EstimateWarning]:

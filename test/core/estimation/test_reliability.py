@@ -8,7 +8,7 @@ import re
 import pytest
 
 from reflest_core.estimation.estimate import EstimateStatus
-from reflest_core.estimation.reliability import Evidence, warnings_of
+from reflest_core.estimation.reliability import Evidence, grouped_warnings, warnings_of
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.light.light_knowledge import LightKnowledge
 from reflest_core.surface.colour_problems import ColourProblems
@@ -100,3 +100,16 @@ def test_all_warnings_come_in_the_order_that_the_message_states_and_fit_into_it(
     worst = dataclasses.replace(worst, colours=ColourProblems(noise=LONGEST_NOISE))
     found = list(warnings_of(worst, strict))
     assert len("; ".join(sentence for _, sentence in found)) <= LONGEST_TEXT
+
+
+def test_warnings_that_differ_in_numbers_alone_are_joined():
+    seen = "of view directions seen, below 15%: move around the object"
+    joined = grouped_warnings(
+        [(4, f"9% {seen}"), (7, "scan more of the object"), (1, f"12% {seen}"), (9, f"2% {seen}")]
+    )
+    assert joined == {f"2 to 12% {seen}": [4, 1, 9], "scan more of the object": [7]}
+
+
+def test_one_warning_is_joined_with_none():
+    assert grouped_warnings([(3, "0.5 m of 2.0 m")]) == {"0.5 m of 2.0 m": [3]}
+    assert grouped_warnings([]) == {}
