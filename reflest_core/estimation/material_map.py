@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.reliability import grouped_warnings
+from reflest_core.inference.gloss.normal_quality import normal_deviations
 from reflest_core.inference.light import SceneLight
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import UNASSIGNED, Partition
@@ -90,6 +92,11 @@ class MaterialMap:
     def material_ids(self) -> NDArray[np.uint32]:
         """(V,) id of each voxel's material."""
         return self.partition.ids_of(self.surface.voxel_keys)
+
+    @cached_property
+    def normal_stddev(self) -> NDArray[np.float32]:
+        """(V,) standard deviation of each voxel's normal about each tangent axis, radians."""
+        return normal_deviations(self.surface.positions, self.surface.normals)
 
     def material(self, material_id: int) -> MaterialEstimate | None:
         """Find a material.

@@ -25,9 +25,11 @@ VERTEX = np.dtype(
         ("alpha_stddev", "<f4"),
         ("views", "<u2"),
         ("material_id", "<u4"),
+        ("normal_stddev", "<f4"),
     ]
 )
-"""Properties of the element ``vertex``: metres in the world frame, unit normals, linear sRGB."""
+"""Properties of the element ``vertex``: metres in the world frame, unit normals, linear sRGB, and
+the standard deviation of the normal about each tangent axis, radians."""
 FAR_VERTEX = np.dtype(
     [(name, "<f8" if name in "xyz" else kind) for name, (kind, *_) in (VERTEX.fields or {}).items()]
 )
@@ -79,4 +81,5 @@ def material_vertices(materials: MaterialMap) -> np.ndarray:
         vertices[name] = materials.of_voxels(name)[observed]
     vertices["views"] = np.minimum(counts[observed], np.iinfo(np.uint16).max)
     vertices["material_id"] = materials.material_ids[observed]
+    vertices["normal_stddev"] = materials.normal_stddev[observed]
     return vertices

@@ -47,11 +47,11 @@ OUTPUTS = {
     ),
     "/reflectance/material_cloud": (
         "The observed surface in the world frame, metres: `x y z` (as in `reflectance/voxels`), "
-        "`normal_x normal_y normal_z`, "
-        "`rho_d_r rho_d_g rho_d_b` of each voxel (linear sRGB), `rho_s`, `alpha`, a standard "
-        "deviation of each (`..._stddev`), `material_id` (0: of no material), and `rgb`, the "
-        "colour of the material's label; `observed_rgb`, the mean colour that the views saw "
-        "(0x00RRGGBB)."
+        "`normal_x normal_y normal_z`, `rho_d_r rho_d_g rho_d_b` of each voxel (linear sRGB), "
+        "`rho_s`, `alpha`, a standard deviation of each (`..._stddev`), `normal_stddev` (of the "
+        "normal about each tangent axis, radians, judged by its neighbours), `material_id` (0: of "
+        "no material), and `rgb`, the colour of the material's label; `observed_rgb`, the mean "
+        "colour that the views saw (0x00RRGGBB)."
     ),
     "/reflectance/material_markers": (
         "A text at each material: id, `rho_s`, `alpha` and status, in the colour of its label."

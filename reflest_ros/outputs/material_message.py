@@ -34,6 +34,7 @@ POINT = np.dtype(
         *[(f"rho_d_{channel}_stddev", np.float32) for channel in "rgb"],
         ("rho_s_stddev", np.float32),
         ("alpha_stddev", np.float32),
+        ("normal_stddev", np.float32),
         ("material_id", np.uint32),
         ("rgb", np.uint32),
         ("observed_rgb", np.uint32),
@@ -146,6 +147,7 @@ def map_to_cloud(materials: MaterialMap) -> PointCloud2:
         points[f"rho_d_{channel}_stddev"] = materials.rho_d_stddev[observed, axis]
     for name in ("rho_s", "alpha", "rho_s_stddev", "alpha_stddev"):
         points[name] = materials.of_voxels(name)[observed]
+    points["normal_stddev"] = materials.normal_stddev[observed]
     ids = materials.material_ids[observed]
     points["material_id"] = ids
     present, places = np.unique(ids, return_inverse=True)

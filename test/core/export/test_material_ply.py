@@ -47,7 +47,8 @@ def test_it_is_binary_little_endian_with_the_properties_of_the_specification(mat
     floats = ["x", "y", "z", "nx", "ny", "nz", *albedo, "rho_s", "alpha"]
     deviations = [*(f"{name}_stddev" for name in albedo), "rho_s_stddev", "alpha_stddev"]
     expected = [["float", name] for name in (*floats, *deviations)]
-    assert properties == [*expected, ["ushort", "views"], ["uint", "material_id"]]
+    last = [["ushort", "views"], ["uint", "material_id"], ["float", "normal_stddev"]]
+    assert properties == [*expected, *last]
 
 
 def test_every_observed_voxel_has_its_material_s_values(materials, tmp_path):
@@ -71,6 +72,22 @@ def test_every_observed_voxel_has_its_material_s_values(materials, tmp_path):
     assert np.isnan(unassigned["rho_d_r"]).all()
 
 
+def test_normals_that_disagree_with_their_neighbours_deviate_more(materials, tmp_path):
+    """Of a small ball with noisy normals in one half, that half has the larger deviations."""
+    surface = materials.surface
+    noise = np.random.default_rng(2).normal(0.0, 0.2, surface.normals.shape)
+    is_noisy = surface.positions[:, 0] > 0.0
+    normals = surface.normals + np.where(is_noisy[:, None], noise, 0.0).astype(np.float32)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    small = dataclasses.replace(surface, normals=normals, positions=0.4 * surface.positions)
+    path = tmp_path / "materials.ply"
+    export_materials(dataclasses.replace(materials, surface=small), path)
+    vertices = PlyData.read(path)["vertex"].data
+    noisy = vertices["x"] > 0.0
+    noisy_stddev, stddev = (np.median(vertices["normal_stddev"][of]) for of in (noisy, ~noisy))
+    assert 0.0 < stddev < 0.6 * noisy_stddev
+
+
 def test_other_readers_open_it(materials, tmp_path):
     path = tmp_path / "materials.ply"
     export_materials(materials, path)
@@ -86,4 +103,4 @@ def test_another_suffix_is_refused(materials, tmp_path):
 
 
 def test_a_vertex_takes_as_few_bytes_as_its_properties():
-    assert VERTEX.itemsize == 16 * 4 + 2 + 4
+    assert VERTEX.itemsize == 17 * 4 + 2 + 4
