@@ -9,8 +9,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reflest_core.cli.parser import check_source
-from reflest_core.cli.scan_options import add_scan_options
+from reflest_core.cli.scan_options import add_scan_options, check_paths
 
 if TYPE_CHECKING:
     from reflest_core.estimation.pipeline import Pipeline
@@ -85,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         ReflestError: A bad option, an unreadable source, or nothing to export.
     """
-    check_source(options.capture)
+    check_paths(options, inputs=("environment",), outputs=("out",))
     from reflest_core.export.environment_file import LIGHT_FORMATS, export_environment
     from reflest_core.export.errors import ExportError
 
@@ -120,7 +119,7 @@ def _sphere(options: argparse.Namespace) -> Asset:
 def _surface(options: argparse.Namespace) -> Asset:
     from reflest_core.estimation.pipeline import EVERY_VOXEL
     from reflest_core.export.errors import ExportError
-    from reflest_core.export.exporter import checked_format, export_scan
+    from reflest_core.export.exporter import check_libraries, checked_format, export_scan
     from reflest_core.export.scan_asset import FACES, AssetSettings
 
     if options.environment is not None:
@@ -139,6 +138,7 @@ def _surface(options: argparse.Namespace) -> Asset:
         options.watertight,
         tuple(options.up) if options.up else (0.0, 0.0, 1.0),
     )
+    check_libraries(options.format)
     pipeline = _scanned(options)
     found = pipeline.materials(pipeline.snapshot(EVERY_VOXEL))
     return export_scan(pipeline.scan, found, options.out, options.format, settings)
@@ -146,6 +146,8 @@ def _surface(options: argparse.Namespace) -> Asset:
 
 def _scanned(options: argparse.Namespace) -> Pipeline:
     """The saved scan, or a scan of all frames of the capture."""
+    from tqdm import tqdm
+
     from reflest_core.capture.open_capture import open_capture
     from reflest_core.capture.refusal import CaptureError, FrameRefused
     from reflest_core.cli.replay_options import replay_settings, topic_choice
@@ -165,12 +167,14 @@ def _scanned(options: argparse.Namespace) -> Pipeline:
         on_clock_jump=lambda _: pipeline.restart_clock(),
     )
     fused = 0
-    for frame in capture:
-        try:
-            pipeline.fuse(frame)
-            fused += 1
-        except FrameRefused as refusal:
-            capture.refuse(refusal)
+    with tqdm(total=capture.frame_total, unit="frame", disable=None) as bar:
+        for frame in capture:
+            bar.update(capture.frames_seen - bar.n)
+            try:
+                pipeline.fuse(frame)
+                fused += 1
+            except FrameRefused as refusal:
+                capture.refuse(refusal)
     if not fused:
         reasons = "; ".join(capture.refusals.first_message.values())
         raise CaptureError(f"{capture.name} has no usable frame: {reasons or 'it is empty'}")

@@ -45,11 +45,13 @@ class Parser(argparse.ArgumentParser):
     """Parses like its base, and helps further."""
 
     def format_help(self) -> str:
-        """The help with the command's example.
+        """The help with every option's default and the command's example.
 
         Returns:
             The text.
         """
+        for action in self._actions:
+            action.help = _with_default(action)
         example = EXAMPLES.get(self.prog.removeprefix("reflest").strip())
         text = super().format_help()
         return text if example is None else f"{text}\nexample: {example}\n"
@@ -68,6 +70,16 @@ class Parser(argparse.ArgumentParser):
         elif unknown is not None:
             found = _near(unknown[1], _options(self))
         super().error(f"{message}; did you mean {found[0]}?" if found else message)
+
+
+def _with_default(action: argparse.Action) -> str | None:
+    """What an option means; its default is added where the words do not say it."""
+    takes_value = bool(action.option_strings) and action.nargs != 0
+    if not takes_value or action.required or "default" in (action.help or ""):
+        return action.help
+    value = action.default
+    shown = "none" if value is None or value == [] else str(value).replace("%", "%%")
+    return f"{action.help}; default: {shown}" if action.help else f"default: {shown}"
 
 
 def check_source(path: Path) -> None:

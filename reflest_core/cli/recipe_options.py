@@ -28,6 +28,7 @@ CHANGES = (
     "only",
 )
 """The fields of a recipe that options of the same name change."""
+OWN = "default: the recipe's"
 
 
 def add_recipe_options(parser: argparse.ArgumentParser) -> None:
@@ -36,25 +37,33 @@ def add_recipe_options(parser: argparse.ArgumentParser) -> None:
     Args:
         parser: The parser of ``reflest train``.
     """
-    parser.add_argument("--optimiser", choices=("adam", "adamw", "rmsprop", "sgd"))
-    parser.add_argument("--learning-rate", type=float)
-    parser.add_argument("--momentum", type=float, help="of rmsprop and sgd")
-    parser.add_argument("--minibatches", type=int)
-    parser.add_argument("--batch-size", type=int, help="scenes in each part of a minibatch")
-    parser.add_argument("--voxels", type=int, help="of one scene in a minibatch")
-    parser.add_argument("--nodes-per-voxel", type=int, help="of Grouplet")
-    parser.add_argument("--warm-up", type=int, metavar="MINIBATCHES")
-    parser.add_argument("--hold", type=float, help="share of training before the rate falls to 0")
-    parser.add_argument("--average", type=float, help="decay of the weights' running mean")
-    parser.add_argument("--precision", choices=("float32", "bfloat16"))
+    parser.add_argument("--optimiser", choices=("adam", "adamw", "rmsprop", "sgd"), help=OWN)
+    parser.add_argument("--learning-rate", type=float, help=OWN)
+    parser.add_argument("--momentum", type=float, help=f"of rmsprop and sgd; {OWN}")
+    parser.add_argument("--minibatches", type=int, help=OWN)
+    parser.add_argument("--batch-size", type=int, help=f"scenes in each part of a minibatch; {OWN}")
+    parser.add_argument("--voxels", type=int, help=f"of one scene in a minibatch; {OWN}")
+    parser.add_argument("--nodes-per-voxel", type=int, help=f"of Grouplet; {OWN}")
+    parser.add_argument("--warm-up", type=int, metavar="MINIBATCHES", help=OWN)
+    parser.add_argument(
+        "--hold", type=float, help=f"share of training before the rate falls to 0; {OWN}"
+    )
+    parser.add_argument("--average", type=float, help=f"decay of the weights' running mean; {OWN}")
+    parser.add_argument("--precision", choices=("float32", "bfloat16"), help=OWN)
     parser.add_argument("--parts", type=int, help="of a minibatch; default: one for each process")
     parser.add_argument(
-        "--views", type=int, nargs=2, metavar=("FEWEST", "MOST"), help="kept of each scene's"
+        "--views",
+        type=int,
+        nargs=2,
+        metavar=("FEWEST", "MOST"),
+        help=f"kept of each scene's; {OWN}",
     )
     parser.add_argument(
-        "--candidates", type=int, help="random voxels of a scene from which those are chosen"
+        "--candidates",
+        type=int,
+        help=f"random voxels of a scene from which those are chosen; {OWN}",
     )
-    parser.add_argument("--seed", type=int)
+    parser.add_argument("--seed", type=int, help=OWN)
     parser.add_argument(
         "--only",
         metavar="PREFIX",

@@ -8,8 +8,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from reflest_core.cli.parser import check_source
-from reflest_core.cli.scan_options import add_scan_options
+from reflest_core.cli.scan_options import add_scan_options, check_paths
 
 EPILOG = """A capture is an .mcap or .db3 file, a rosbag2 directory, a 7-Scenes folder or a TUM
 folder. Topics are found by their types; name them where several would fit."""
@@ -59,7 +58,8 @@ def run(options: argparse.Namespace) -> int:
     Returns:
         The exit code.
     """
-    check_source(options.capture)
+    outputs = ("json", "materials", "save_scan", "environment", "report")
+    check_paths(options, outputs=outputs)
     from reflest_core.cli.replay_run import replay
 
     replay(options)

@@ -13,7 +13,7 @@ from tqdm import tqdm
 from reflest_core.capture.capture import Capture
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.capture.refusal import CaptureError, FrameRefused
-from reflest_core.cli.json_file import check_writable, write_json
+from reflest_core.cli.json_file import write_json
 from reflest_core.cli.replay_options import replay_settings, topic_choice
 from reflest_core.cli.replay_report import (
     ReplayResult,
@@ -38,10 +38,6 @@ def replay(options: argparse.Namespace) -> None:
     Raises:
         ReflestError: a bad option, an unreadable capture, or no estimate at its end.
     """
-    outputs = (options.json, options.materials, options.save_scan, options.environment)
-    for path in (*outputs, options.report):
-        if path is not None:
-            check_writable(path)
     if options.report is not None:
         from reflest_core.cli.html_report import check_report_libraries, write_report
 

@@ -5,9 +5,47 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
+from reflest_core.cli.json_file import check_writable
+from reflest_core.cli.parser import check_source
+from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.models.registry import models
+
+BY_TYPE = "found by its type, then by its name"
+TOPICS = {
+    "rgb": BY_TYPE,
+    "depth": BY_TYPE,
+    "camera-info": BY_TYPE,
+    "pose": BY_TYPE,
+    "mask": "none",
+    "depth-camera-info": "the depth image's own, where there is one",
+}
+"""Streams of a bag, and what is taken for one whose topic is not named."""
+
+
+def check_paths(
+    options: argparse.Namespace, inputs: Sequence[str] = (), outputs: Sequence[str] = ()
+) -> None:
+    """Refuse paths that are not there, before anything slow is imported or scanned.
+
+    Args:
+        options: All options of a command with :func:`add_scan_options`.
+        inputs: Further options that name something to read.
+        outputs: Options that name a file to write.
+
+    Raises:
+        SourceMissing: Something to read does not exist; the nearest name beside it is suggested.
+        OutputError: A file cannot be written there.
+    """
+    check_source(options.capture)
+    for name in ("config", "weights", "known_light", *inputs):
+        if (given := getattr(options, name)) is not None:
+            check_source(Path(given))
+    for name in outputs:
+        if (given := getattr(options, name)) is not None:
+            check_writable(given)
 
 
 def add_scan_options(parser: argparse.ArgumentParser) -> None:
@@ -22,16 +60,34 @@ def add_scan_options(parser: argparse.ArgumentParser) -> None:
         help="an .hdr or .exr panorama of the room, or a scan saved there: for light no camera "
         "saw; of a folder of them the room that fits, however it is turned",
     )
-    parser.add_argument("--model", help=f"one of {', '.join(models())}")
-    parser.add_argument("--weights", metavar="FILE", help="weights in place of the shipped ones")
-    parser.add_argument("--config", type=Path, metavar="YAML", help="a ROS parameter file")
-    topics = parser.add_argument_group("topics of a bag")
-    for stream in ("rgb", "depth", "camera-info", "pose", "mask", "depth-camera-info"):
-        topics.add_argument(f"--{stream}-topic", metavar="TOPIC")
-    topics.add_argument(
-        "--world-frame", metavar="FRAME", help="take poses from tf: the camera's in this frame"
+    settings = ReflestSettings()
+    parser.add_argument(
+        "--model",
+        choices=models(),
+        metavar="MODEL",
+        help=f"one of {', '.join(models())}; default: {settings.estimation.model}",
     )
-    scene = parser.add_argument_group("scene, over what --config says (world frame, metres)")
+    parser.add_argument(
+        "--weights", metavar="FILE", help="weights of the model; default: the shipped ones"
+    )
+    parser.add_argument(
+        "--config",
+        type=Path,
+        metavar="YAML",
+        help="a ROS parameter file; default: the defaults of config/estimator.yaml",
+    )
+    topics = parser.add_argument_group("topics of a bag")
+    for stream, default in TOPICS.items():
+        topics.add_argument(f"--{stream}-topic", metavar="TOPIC", help=f"default: {default}")
+    topics.add_argument(
+        "--world-frame",
+        metavar="FRAME",
+        help="take poses from tf: the camera's in this frame; default: poses from the pose topic",
+    )
+    scene = parser.add_argument_group(
+        "scene, over what --config says (world frame, metres); default: no region, all that is "
+        "near is scanned"
+    )
     roi = scene.add_mutually_exclusive_group()
     roi.add_argument(
         "--roi-box",
@@ -55,19 +111,29 @@ def add_scan_options(parser: argparse.ArgumentParser) -> None:
         help="the object lies within R metres of what column U, row V of this frame shows; frames "
         "count from 0",
     )
-    scene.add_argument("--voxel-size", type=float, metavar="M")
-    scene.add_argument("--max-depth", type=float, metavar="M", help="what is further is background")
+    scene.add_argument(
+        "--voxel-size",
+        type=float,
+        metavar="M",
+        help=f"edge of a voxel; default: {settings.fusion.voxel_size:g}",
+    )
+    scene.add_argument(
+        "--max-depth",
+        type=float,
+        metavar="M",
+        help=f"what is further is background; default: {settings.fusion.max_depth:g}",
+    )
     scene.add_argument(
         "--up",
         type=float,
         nargs=3,
         metavar=("X", "Y", "Z"),
-        help="up in the poses' world, default 0 0 1; 7-Scenes: 0 -1 0",
+        help="up in the poses' world; default: 0 0 1 (7-Scenes: 0 -1 0)",
     )
     scene.add_argument(
         "--intrinsics",
         type=float,
         nargs=4,
         metavar=("FX", "FY", "CX", "CY"),
-        help="calibration of a folder of frames, pixels",
+        help="calibration of a folder of frames, pixels; default: the folder's own",
     )

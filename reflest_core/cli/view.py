@@ -8,8 +8,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reflest_core.cli.parser import check_source
-from reflest_core.cli.scan_options import add_scan_options
+from reflest_core.cli.scan_options import add_scan_options, check_paths
 
 if TYPE_CHECKING:
     from reflest_core.capture.capture import Capture
@@ -66,10 +65,10 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         ReflestError: A bad option, an unreadable capture, a missing extra or a port in use.
     """
-    check_source(options.capture)
-    from reflest_core.viewer.errors import library
+    check_paths(options, inputs=("environment",))
+    from reflest_core.export.libraries import library
 
-    library("viser")
+    library("viser", "viewer")
     from reflest_core.viewer.lights import read_light
     from reflest_core.viewer.server import ViewerServer, serve
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from reflest_core.export.environment_file import LIGHT_FORMATS, light_format
 from reflest_core.export.errors import ExportError
+from reflest_core.export.libraries import library, open3d
 from reflest_core.whole_file import write_whole
 
 if TYPE_CHECKING:
@@ -33,11 +34,13 @@ class Format:
         writer: ``module:function`` below :mod:`reflest_core.export.formats`, which takes an asset
             and the file's name and returns the contents of all files, the main one first.
         has_light: Whether the environment can go with a file.
+        libraries: Modules of the extra ``asset`` that the writer needs.
     """
 
     suffixes: tuple[str, ...]
     writer: str
     has_light: bool = False
+    libraries: tuple[str, ...] = ("trimesh", "PIL")
 
     def files(self, asset: Asset, file_name: str) -> dict[str, bytes]:
         """The contents of the files, by name, the main one first.
@@ -56,8 +59,8 @@ class Format:
 FORMATS = {
     "glb": Format((".glb",), "gltf:glb", has_light=True),
     "gltf": Format((".gltf",), "gltf:gltf", has_light=True),
-    "usd": Format((".usda", ".usdc", ".usdz", ".usd"), "usd:usd", has_light=True),
-    "ply": Format((".ply",), "ply:ply"),
+    "usd": Format((".usda", ".usdc", ".usdz", ".usd"), "usd:usd", True, ("pxr", "trimesh", "PIL")),
+    "ply": Format((".ply",), "ply:ply", libraries=()),
     "obj": Format((".obj",), "obj:obj"),
     "mitsuba": Format((".xml",), "mitsuba:ward_scene", has_light=True),
     "mitsuba-stock": Format((".xml",), "mitsuba:stock_scene", has_light=True),
@@ -172,6 +175,20 @@ def checked_format(path: Path, format_name: str = "") -> Format:
         wanted = " or ".join(chosen.suffixes)
         raise ExportError(f"{path} must end in {wanted} for the format {format_name}")
     return chosen
+
+
+def check_libraries(format_name: str) -> None:
+    """Find out before a long scan whether a surface can be written.
+
+    Args:
+        format_name: A key of :data:`FORMATS`.
+
+    Raises:
+        ExportError: A package is missing; the sentence has the pip command.
+    """
+    open3d()
+    for name in ("fast_simplification", "xatlas", *FORMATS[format_name].libraries):
+        library(name)
 
 
 def asset_name(path: Path) -> str:

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Imports the libraries of the extra ``asset``; a robot need not carry them."""
+"""Imports the libraries of the extras ``asset`` and ``viewer``; a robot need not carry them."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from typing import Any
 from reflest_core.export.errors import ExportError
 
 
-def library(name: str) -> Any:
-    """Import a module of the extra ``asset``.
+def library(name: str, extra: str = "asset") -> Any:
+    """Import a module of an extra.
 
     Args:
         name: Of the module.
+        extra: What pip calls the extra.
 
     Raises:
         ExportError: It is not installed; the sentence has the pip command.
@@ -24,7 +25,7 @@ def library(name: str) -> Any:
         return importlib.import_module(name)
     except ImportError as error:
         raise ExportError(
-            f"this export needs {error.name or name}: pip install 'reflest-ros[asset]'"
+            f"this needs {error.name or name}: pip install 'reflest-ros[{extra}]'"
         ) from error
 
 

@@ -21,12 +21,12 @@ from reflest_core.estimation.pipeline import EVERY_VOXEL, KeyframeSnapshot, Pipe
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.export.errors import ExportError
 from reflest_core.fusion.settings import RegionSettings
-from reflest_core.viewer.errors import ViewerError
 from reflest_core.viewer.shown_scan import ShownScan
 from reflest_core.viewer.source import (
     Keyframe,
     Outcome,
     SourceState,
+    ViewerError,
     exported_files,
     saved_files,
 )

@@ -17,7 +17,7 @@ from reflest_core.light.equirectangular import equirectangular_directions, radia
 from reflest_core.light.light_map import SIZE
 from reflest_core.light.octahedral import octahedral_directions, octahedral_texels
 from reflest_core.rendering.environments import studio
-from reflest_core.viewer.errors import ViewerError
+from reflest_core.viewer.source import ViewerError
 
 ACROSS = 3
 """Directions along each edge of a texel that are averaged."""

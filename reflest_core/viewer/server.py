@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.viewer.errors import ViewerError, library
+from reflest_core.export.libraries import library
 from reflest_core.viewer.page import Page
-from reflest_core.viewer.source import ScanSource
+from reflest_core.viewer.source import ScanSource, ViewerError
 
 LOOPBACK, PORT = "127.0.0.1", 8770
 """Where the page is by default: nobody else on the network sees it."""
@@ -47,8 +47,8 @@ class ViewerServer:
         Raises:
             ViewerError: The extra ``viewer`` is not installed, or the address cannot be used.
         """
-        viser = library("viser")
-        library("trimesh")
+        viser = library("viser", "viewer")
+        library("trimesh", "viewer")
         port = _free_port(host, port)
         logging.getLogger("websockets").setLevel(logging.CRITICAL)
         self._source, self._light = source, light_of_file

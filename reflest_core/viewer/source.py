@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
+from reflest_core.errors import ReflestError
 from reflest_core.estimation.material_map import MaterialMap
 
 if TYPE_CHECKING:
@@ -36,6 +37,10 @@ FORMATS = {
     "exr": ".exr",
 }
 """Formats that the page offers, with the suffixes of their files."""
+
+
+class ViewerError(ReflestError):
+    """The viewer cannot do what was asked for; the sentence says why."""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf import srgb
-from reflest_core.viewer.errors import library
+from reflest_core.export.libraries import library
 
 TO_CURVE = np.array(
     [[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]]
@@ -63,14 +63,14 @@ def unlit_glb(
     Raises:
         ViewerError: The extra ``viewer`` is not installed.
     """
-    trimesh = library("trimesh")
+    trimesh = library("trimesh", "viewer")
     mesh = trimesh.Trimesh(
         vertices,
         faces,
         vertex_attributes={"_COLOUR": before_tone_curve(colours)},
         process=False,
     )
-    exchange = library("trimesh.exchange.gltf")
+    exchange = library("trimesh.exchange.gltf", "viewer")
     content: bytes = exchange.export_glb(
         trimesh.Scene([mesh]), include_normals=False, tree_postprocessor=_unlit
     )

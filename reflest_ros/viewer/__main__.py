@@ -13,8 +13,9 @@ from rclpy.executors import MultiThreadedExecutor, ShutdownException
 from rclpy.node import Node
 
 from reflest_core.errors import ReflestError
-from reflest_core.viewer.errors import ViewerError, library
+from reflest_core.export.libraries import library
 from reflest_core.viewer.server import LOOPBACK, PORT, ViewerServer, serve
+from reflest_core.viewer.source import ViewerError
 from reflest_ros.process import ros_process
 from reflest_ros.settings import NODE_NAME
 from reflest_ros.viewer.live_source import LiveSource
@@ -58,7 +59,7 @@ def main(args: list[str] | None = None) -> int:
         The exit code; 2 for a user's mistake.
     """
     try:
-        library("viser")
+        library("viser", "viewer")
         os.nice(NICE)
         with ros_process(args):
             _serve()

@@ -17,8 +17,7 @@ from sensor_msgs.msg import Image, PointCloud2
 from std_srvs.srv import Trigger
 
 from reflest_core.errors import ReflestError
-from reflest_core.viewer.errors import ViewerError
-from reflest_core.viewer.source import FORMATS, Outcome, SourceState
+from reflest_core.viewer.source import FORMATS, Outcome, SourceState, ViewerError
 from reflest_ros.inputs.core_messages import stamp_to_ns
 from reflest_ros.inputs.qos import OUTPUT_QOS
 from reflest_ros.msg import MaterialMap as MaterialMapMessage

@@ -18,8 +18,8 @@ from reflest_core.light.octahedral import octahedral_directions
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import Partition
 from reflest_core.surface.upright import rotation_to_z
-from reflest_core.viewer.errors import ViewerError
 from reflest_core.viewer.shown_scan import ShownScan
+from reflest_core.viewer.source import ViewerError
 from reflest_ros.inputs.core_messages import stamp_to_ns
 from reflest_ros.msg import Material
 from reflest_ros.msg import MaterialMap as MaterialMapMessage

@@ -43,7 +43,9 @@ def draw_contact_sheet(
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
-        raise EvaluationError("plots need matplotlib: pip install matplotlib") from error
+        raise EvaluationError(
+            "plots need matplotlib: pip install 'reflest-ros[training]'"
+        ) from error
     pair = (swatches[0], swatches[-4])
     rows = {"truth": np.stack([sample.ward for sample in samples]), **estimates}
     sheet = np.concatenate(

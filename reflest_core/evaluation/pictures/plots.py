@@ -38,7 +38,9 @@ def new_figure(width: float, height: float) -> Any:
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
-        raise EvaluationError("plots need matplotlib: pip install matplotlib") from error
+        raise EvaluationError(
+            "plots need matplotlib: pip install 'reflest-ros[training]'"
+        ) from error
     return Figure(figsize=(width, height), layout="constrained")
 
 

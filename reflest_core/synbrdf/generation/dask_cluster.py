@@ -34,7 +34,7 @@ def dask_cluster(address: str) -> Iterator[Executor]:
     except ImportError as error:
         raise ClusterError(
             "--scheduler needs the Python package distributed: install it with "
-            "pip install 'reflest[cluster]'"
+            "pip install 'reflest-ros[cluster]'"
         ) from error
     try:
         client: Any = Client(address, timeout=CONNECT_SECONDS)

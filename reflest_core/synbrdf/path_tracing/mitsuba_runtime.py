@@ -58,5 +58,5 @@ def missing_package(package: str) -> RendererMissing:
     """
     return RendererMissing(
         f"rendering needs the Python package {package}: install it with "
-        "pip install 'reflest[synbrdf]'"
+        "pip install 'reflest-ros[synbrdf]'"
     )

@@ -61,6 +61,7 @@ def test_a_saved_scan_becomes_an_environment_that_lights_the_material(
 def test_the_light_is_not_lit(tmp_path, capsys):
     light = ["--out", str(tmp_path / "a.hdr"), "--environment", str(tmp_path / "b.hdr")]
     (tmp_path / "scan").touch()
+    (tmp_path / "b.hdr").touch()
     assert main(["export", str(tmp_path / "scan"), "--format", "hdr", *light]) == 2
     assert "hdr is the light itself" in capsys.readouterr().err
 

@@ -2,15 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Help with an example that works, the nearest word for a wrong one, and completion."""
 
+import builtins
+import os
 import shlex
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from reflest_core.cli.main import command_parser, main
 from reflest_core.cli.parser import EXAMPLES, _parsers
+from reflest_core.estimation.settings import ReflestSettings
 
 
 def test_every_command_has_an_example():
@@ -27,6 +31,25 @@ def test_the_example_is_shown_and_can_be_parsed(command, capsys):
     with pytest.raises(SystemExit):
         main([*command.split(), "--help"])
     assert f"example: {line}" in capsys.readouterr().out
+
+
+def test_the_help_says_every_options_default():
+    for parser in _parsers(command_parser(())):
+        text = " ".join(parser.format_help().split())
+        for action in parser._actions:
+            if action.option_strings and action.nargs != 0 and not action.required:
+                assert "default" in action.help, (parser.prog, action.option_strings)
+                assert " ".join((action.help % vars(action)).split()) in text.replace("- ", "-")
+
+
+def test_defaults_are_those_of_the_settings(capsys):
+    with pytest.raises(SystemExit):
+        main(["replay", "--help"])
+    text = " ".join(capsys.readouterr().out.split())
+    settings = ReflestSettings()
+    assert f"edge of a voxel; default: {settings.fusion.voxel_size}" in text
+    assert f"background; default: {settings.fusion.max_depth:g} " in text
+    assert "--rgb-topic TOPIC default: found by its type" in text
 
 
 @pytest.mark.parametrize(
@@ -75,7 +98,64 @@ def test_bash_completes_commands_and_options(capsys, tmp_path):
     assert done.stdout.split() == ["--report"]
 
 
-def test_a_missing_extra_names_its_pip_command(monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "shtab", None)
-    assert main(["completion", "bash"]) == 2
-    assert "pip install 'reflest-ros[completion]'" in capsys.readouterr().err
+CAPTURE = str(Path(__file__).parents[3] / "captures" / "glossy-red")
+WITHOUT = (
+    (["view", CAPTURE], "viser", "viewer"),
+    (["replay", CAPTURE, "--report", "OUT.html"], "open3d", "asset"),
+    (["replay", CAPTURE, "--report", "OUT.html"], "fast_simplification", "asset"),
+    (["export", CAPTURE, "--format", "glb", "--out", "OUT.glb"], "xatlas", "asset"),
+    (["export", CAPTURE, "--format", "glb", "--out", "OUT.glb"], "trimesh", "asset"),
+    (["export", CAPTURE, "--format", "usd", "--out", "OUT.usda"], "pxr", "asset"),
+    (["train", CAPTURE, "--model", "lightnet", "--out", "OUT"], "torch", "training"),
+    (["evaluate", CAPTURE, "--out", "OUT", "--parts", "perception"], "skimage", "training"),
+    (["synbrdf", "sequence", "--environments", CAPTURE, "--out", "OUT"], "mitsuba", "synbrdf"),
+    (["completion", "bash"], "shtab", "completion"),
+)
+"""Commands, a library that they cannot do without, and the extra that brings it."""
+
+
+@pytest.mark.parametrize(("words", "library", "extra"), WITHOUT)
+def test_a_missing_extra_names_its_pip_command(words, library, extra, tmp_path):
+    code = (
+        f"import sys; sys.modules[{library!r}] = None\n"
+        f"from reflest_core.cli.main import main; sys.exit(main({words!r}))"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, env=environment
+    )
+    assert done.returncode == 2
+    (line,) = done.stderr.strip().splitlines()
+    assert f"pip install 'reflest-ros[{extra}]'" in line
+    assert library in line
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["replay", CAPTURE, "--json", "nosuch/a.json"], "cannot write nosuch/a.json"),
+        (["replay", CAPTURE, "--config", "nosuch.yaml"], "nosuch.yaml does not exist"),
+        (["replay", CAPTURE, "--weights", "nosuch"], "nosuch does not exist"),
+        (["replay", CAPTURE, "--known-light", "nosuch.hdr"], "nosuch.hdr does not exist"),
+        (["view", CAPTURE, "--environment", "nosuch.hdr"], "nosuch.hdr does not exist"),
+        (["export", CAPTURE, "--format", "glb", "--out", "nosuch/a.glb"], "cannot write nosuch"),
+    ],
+)
+def test_a_wrong_path_in_an_option_ends_before_anything_slow(
+    words, sentence, capsys, monkeypatch, tmp_path
+):
+    monkeypatch.chdir(tmp_path)
+    opened = []
+    monkeypatch.setattr("builtins.__import__", _noting(opened, builtins.__import__))
+    assert main(words) == 2
+    assert sentence in capsys.readouterr().err
+    assert not {"reflest_core.capture.open_capture", "open3d", "viser"} & set(opened)
+
+
+def _noting(names, real):
+    def imported(name, *arguments, **options):
+        names.append(name)
+        return real(name, *arguments, **options)
+
+    return imported
