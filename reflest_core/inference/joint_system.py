@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from reflest_core.inference.light_prior import LightPrior
 from reflest_core.inference.nonnegative import nonnegative_minimum
+from reflest_core.jit import compiled, kernel_array
 
 RELATIVE, LEAST = 0.05, 0.003
 """Standard deviation of a radiance: share of itself, and in units of the sensor's white."""
@@ -127,9 +128,9 @@ class ChannelSystem:
         strongest = np.maximum(self.diffuse.max(axis=0), self.mirrored.max(axis=0, initial=0.0))
         is_free = strongest[1:] > NEGLIGIBLE * max(float(strongest.max()), 1e-9)
         free = 1 + np.flatnonzero(is_free)
-        diffuse = np.take(self.diffuse, self.voxel_of, axis=0)
-        known = diffuse[:, 0], self.mirrored[:, 0]
-        columns = np.take(diffuse, free, axis=1), np.take(self.mirrored, free, axis=1)
+        known = self.diffuse[self.voxel_of, 0], self.mirrored[:, 0]
+        diffuse = np.take(np.take(self.diffuse, free, axis=1), self.voxel_of, axis=0)
+        columns = diffuse, np.take(self.mirrored, free, axis=1)
         mean, width = self.prior.mean[is_free], self.prior.width[is_free]
         segments = len(self.starts)
         x = np.concatenate([start.rho_d, start.rho_s, start.light[is_free]])
@@ -203,9 +204,13 @@ class ChannelSystem:
         variance += (FIRST_ERROR * self.colours if is_first else error) ** 2
         is_met = self.is_clipped if is_first else self.is_clipped & (error >= 0.0)
         root = np.where(is_met, np.float32(0.0), 1.0 / np.sqrt(variance))
-        by_patch = (rho_d * root)[:, None] * columns[0]
-        by_patch += (rho_s * root)[:, None] * columns[1]
         shaded, shining = shaded * root, shining * root
+        by_patch, cross = _by_patch(
+            np.append(self.starts, len(root)),
+            kernel_array(np.stack([rho_d * root, rho_s * root, shaded, shining]), np.float32),
+            kernel_array(columns[0], np.float32),
+            kernel_array(columns[1], np.float32),
+        )
         # The step is taken from x, so that the target is what is left over, and what x explains.
         target = shaded * rho_d + shining * rho_s + by_patch @ light - error * root
         segments = len(self.starts)
@@ -215,10 +220,9 @@ class ChannelSystem:
         matrix[i, i] = self._sums(shaded * shaded)
         matrix[j, j] = self._sums(shining * shining)
         matrix[i, j] = matrix[j, i] = self._sums(shaded * shining)
+        matrix[: 2 * segments, 2 * segments :] = cross
+        matrix[2 * segments :, : 2 * segments] = cross.T
         for first, values in ((0, shaded), (segments, shining)):
-            cross = self._sums(values[:, None] * by_patch)
-            matrix[first : first + segments, 2 * segments :] = cross
-            matrix[2 * segments :, first : first + segments] = cross.T
             vector[first : first + segments] = self._sums(values * target)
         matrix[2 * segments :, 2 * segments :] = by_patch.T @ by_patch
         vector[2 * segments :] = by_patch.T @ target
@@ -227,6 +231,32 @@ class ChannelSystem:
     def _sums(self, values: Array32) -> Array:
         """(S, ...) sums over each segment's observations (O, ...)."""
         return np.asarray(np.add.reduceat(values, self.starts, axis=0), np.float64)
+
+
+@compiled
+def _by_patch(
+    starts: NDArray[np.int64], factors: Array32, diffuse: Array32, mirrored: Array32
+) -> tuple[Array32, Array32]:
+    """What each patch adds to the observations, and its products with albedo and gloss.
+
+    ``factors`` (4, O): of ``diffuse`` and ``mirrored`` (O, U) in their sum; then what ``rho_d`` and
+    ``rho_s`` add. Returns that sum (O, U), and of it (2 S, U) the sums over each segment's
+    observations, weighted by either of the latter. In one pass, for the arrays are large.
+    """
+    segments, patches = len(starts) - 1, diffuse.shape[1]
+    by_patch = np.empty(diffuse.shape, np.float32)
+    cross = np.zeros((2 * segments, patches), np.float32)
+    for segment in range(segments):
+        of_albedo, of_gloss = cross[segment], cross[segments + segment]
+        for o in range(starts[segment], starts[segment + 1]):
+            row, shading, shining = by_patch[o], diffuse[o], mirrored[o]
+            a, b, c, d = factors[0, o], factors[1, o], factors[2, o], factors[3, o]
+            for n in range(patches):
+                row[n] = a * shading[n] + b * shining[n]
+            for n in range(patches):
+                of_albedo[n] += c * row[n]
+                of_gloss[n] += d * row[n]
+    return by_patch, cross
 
 
 def _albedo_prior(rho_d: Array) -> tuple[Array, Array]:
