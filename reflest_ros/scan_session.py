@@ -208,7 +208,14 @@ class ScanSession:
         except Exception as error:
             output.fail(error)
             return None
-        return lambda: output.publish(request, found)
+
+        def publish() -> None:
+            try:
+                output.publish(request, found)
+            except Exception as error:  # of one of the views: the node goes on
+                output.fail(error)
+
+        return publish
 
     def _material_request(self) -> MaterialRequest:
         """Copy what materials are made of; in the fusion thread."""

@@ -23,6 +23,7 @@ from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.material_map import MaterialMap
 from reflest_core.estimation.scan_memory import ScanMemory
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
+from reflest_core.fusion.frames.region import Region
 from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.keyframe import KeyframePolicy
 from reflest_core.fusion.poses.check import PoseCheck, PoseReport
@@ -59,6 +60,7 @@ class KeyframeSnapshot:
         middle: (3,) float64, world frame, the surface point in the middle of the view; None where a
             region or a mask says what is looked at.
         around: the surface around it; None where ``surface`` has all voxels.
+        bounds: what bounds the scan, world frame; None where that is not known.
     """
 
     stamp_ns: int
@@ -73,6 +75,7 @@ class KeyframeSnapshot:
     memory: ScanMemory | None = None
     middle: NDArray[np.float64] | None = None
     around: ObservedSurface | None = None
+    bounds: Region | None = None
 
 
 @dataclass(frozen=True)
@@ -199,6 +202,7 @@ class Pipeline:
             self._memory if scan.region_settings.shape == "none" else None,
             None if scan.middle is None else scan.middle + scan.origin,
             None if around is None else replace(around, light=surface.light),
+            scan.bounds,
         )
 
     def estimate(self, snapshot: KeyframeSnapshot) -> BrdfEstimate:

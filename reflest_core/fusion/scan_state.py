@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.frames.region import Region
+from reflest_core.fusion.frames.region import Region, RegionShape
 from reflest_core.fusion.frames.work_sphere import WorkSphere
 from reflest_core.fusion.memory_budget import MemoryBudget, MemoryBudgetError
 from reflest_core.fusion.observations.observation_chunks import ChunkPool
@@ -95,6 +95,16 @@ class ScanState:
     def restart_clock(self) -> None:
         """Take any stamp next, as after a clock jump; what was scanned stays."""
         self._clock_ns = None
+
+    @property
+    def bounds(self) -> Region:
+        """What bounds the scan, world frame: the region of interest, else the work sphere.
+
+        Without either, as before the first frame and with masks, its shape is that of no region.
+        """
+        if self.region.shape is RegionShape.NONE and self.work_sphere.frames:
+            return self.work_sphere.region(self.fusion).relative_to(-self.origin)
+        return Region.from_settings(self.region_settings)
 
     @property
     def voxel_count(self) -> int:

@@ -37,6 +37,9 @@ WIDEST_SPLAT = 12
 OPACITY = 0.45
 """Of the labels over the image."""
 
+OUTSIDE = 0.4
+"""Brightness of what is outside of the scan's bounds, over that of the image."""
+
 
 @dataclass(frozen=True)
 class CameraView:
@@ -131,22 +134,30 @@ def voxels_in_image(
 
 
 def labels_over(
-    rgb: NDArray[np.uint8], voxels: NDArray[np.int64], material_ids: NDArray[np.integer]
+    rgb: NDArray[np.uint8],
+    voxels: NDArray[np.int64],
+    material_ids: NDArray[np.integer],
+    is_scanned: NDArray[np.bool_] | None = None,
 ) -> NDArray[np.uint8]:
-    """Draw the materials over an image.
+    """Draw the materials over an image, and darken what is not scanned.
 
     Args:
         rgb: (H, W, 3) 8-bit sRGB.
         voxels: (H, W) of :func:`voxels_in_image`.
         material_ids: (V,) id of each voxel.
+        is_scanned: (H, W) pixels within the scan's bounds; None darkens nothing.
 
     Returns:
-        (H, W, 3) 8-bit sRGB: each material in its colour, with a dark outline.
+        (H, W, 3) 8-bit sRGB: each material in its colour, with a dark outline; what is neither
+        a material nor within the bounds is dark.
     """
     ids = np.where(voxels >= 0, np.append(material_ids.astype(np.int64), NOTHING)[voxels], NOTHING)
     colours = material_colours(np.maximum(ids, 0).reshape(-1)).reshape(rgb.shape)
     mixed = rgb + OPACITY * (colours.astype(np.float32) - rgb)
-    drawn = np.where((ids >= 0)[..., None], mixed, rgb).round().astype(np.uint8)
+    rest = rgb
+    if is_scanned is not None:
+        rest = np.where(is_scanned[..., None], rgb, (OUTSIDE * rgb).astype(np.uint8))
+    drawn = np.where((ids >= 0)[..., None], mixed, rest).round().astype(np.uint8)
     narrow = ids.astype(np.float32)
     kernel = np.ones((3, 3), np.uint8)
     drawn[cv2.dilate(narrow, kernel) != cv2.erode(narrow, kernel)] = 20

@@ -39,7 +39,8 @@ OUTPUTS = {
     "/reflectance/markers": (
         "In the world frame: the values and how far to trust them as text (namespace `values`), "
         "the cameras of the keyframes, newest brightest (`keyframes`), the region of interest "
-        "(`region`)."
+        "(`region`) or else circles at the work radius, outside of which nothing is scanned "
+        "(`work_radius`)."
     ),
     "/reflectance/materials": (
         "Every material of the scan in falling order of area, under one light; see "
@@ -56,7 +57,10 @@ OUTPUTS = {
     "/reflectance/material_markers": (
         "A text at each material: id, `rho_s`, `alpha` and status, in the colour of its label."
     ),
-    "/reflectance/overlay": "The labels of the materials drawn over the last image, `rgb8`.",
+    "/reflectance/overlay": (
+        "The labels of the materials drawn over the last image, `rgb8`. Dark: without depth, or "
+        "outside of the region of interest or the work radius, and not scanned."
+    ),
     "/diagnostics": "One status each `input.diagnostics_period`; its keys are below.",
 }
 """Published topics, by their full names."""

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import deque
 
@@ -16,6 +17,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 from reflest_core.estimation.pipeline import KeyframeSnapshot
+from reflest_core.fusion.frames.region import RegionShape
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_ros.inputs.core_messages import ns_to_stamp
@@ -28,6 +30,9 @@ TRUSTED, DOUBTED = (0.75, 0.95, 0.75), (1.0, 0.75, 0.3)
 OLDEST, NEWEST = np.array([0.25, 0.3, 0.55]), np.array([1.0, 0.6, 0.1])
 
 GLASS, GLASS_ALPHA = (0.5, 0.7, 1.0), 0.12
+
+CIRCLE_PARTS, CIRCLE_WIDTH = 48, 0.005
+"""Of the circles that show the work radius: edges, and their width over the radius."""
 
 HALF_WIDTH, HALF_HEIGHT = 0.6, 0.45
 """Of a pyramid over its length; the camera's own angles are not shown."""
@@ -92,8 +97,9 @@ def marker_message(
 ) -> MarkerArray:
     """Text above the surface (namespace ``values``), pyramids for ``poses`` (``keyframes``).
 
-    The region of interest is a glass body (``region``). ``poses``: ``T_world_camera`` (4, 4),
-    oldest first. ``up``: (3,), in the world frame.
+    The region of interest is a glass body (``region``); without one, three circles show the work
+    radius, outside of which nothing is scanned (``work_radius``). ``poses``: ``T_world_camera``
+    (4, 4), oldest first. ``up``: (3,), in the world frame.
 
     Args:
         keyframe: the scan that it belongs to.
@@ -108,6 +114,7 @@ def marker_message(
         _values(keyframe.surface, estimate, up),
         _cameras(shown, settings.frustum),
         _region(region),
+        _work_radius(keyframe),
     ]
     for marker in markers:
         marker.header.stamp = ns_to_stamp(keyframe.stamp_ns)
@@ -169,6 +176,30 @@ def _region(region: RegionSettings) -> Marker:
     marker.scale.x, marker.scale.y, marker.scale.z = edges
     marker.color = _colour(GLASS)
     marker.color.a = GLASS_ALPHA
+    return marker
+
+
+def _work_radius(keyframe: KeyframeSnapshot) -> Marker:
+    """Great circles of the work sphere; a body would veil what is in it."""
+    marker = Marker(ns="work_radius", id=0, type=Marker.LINE_LIST)
+    bounds = keyframe.bounds
+    is_sphere = bounds is not None and bounds.shape is RegionShape.SPHERE
+    if bounds is None or not is_sphere or keyframe.memory is None:
+        marker.action = Marker.DELETE
+        return marker
+    radius = float(bounds.half_size[0])
+    marker.scale.x = CIRCLE_WIDTH * radius
+    marker.pose.orientation.w = 1.0
+    marker.color = _colour(GLASS)
+    marker.color.a = 0.5
+    angles = np.linspace(0.0, 2.0 * np.pi, CIRCLE_PARTS + 1)
+    across, along = radius * np.cos(angles), radius * np.sin(angles)
+    for axis in range(3):
+        circle = np.tile(bounds.centre, (len(angles), 1))
+        circle[:, (axis + 1) % 3] += across
+        circle[:, (axis + 2) % 3] += along
+        points = [_point(one) for one in circle]
+        marker.points += [end for pair in itertools.pairwise(points) for end in pair]
     return marker
 
 

@@ -123,7 +123,7 @@ class MaterialOutput:
         self._markers.show(lambda: map_to_markers(materials))
         if request.frame is not None:
             frame = request.frame
-            self._overlay.show(lambda: overlay_message(materials, frame, request.voxel_size))
+            self._overlay.show(lambda: overlay_message(shown, frame))
 
     def fail(self, error: Exception) -> None:
         """Note why a map could not be made; each reason is logged once.
@@ -154,19 +154,22 @@ class MaterialOutput:
             view.destroy()
 
 
-def overlay_message(materials: MaterialMap, frame: Frame, voxel_size: float) -> Image:
-    """Draw the materials over an image.
+def overlay_message(shown: ShownMaterials, frame: Frame) -> Image:
+    """Draw the materials over an image; what is outside of the scan's bounds is dark.
 
     Args:
-        materials: The map.
-        frame: Its image, calibration and pose.
-        voxel_size: Edge of a voxel, metres.
+        shown: The map.
+        frame: Its image, depth, calibration and pose.
 
     Returns:
         An ``rgb8`` image of the frame's size, stamp and camera frame.
     """
-    voxels = voxels_in_image(materials.surface.positions, _view(frame, materials), voxel_size)
-    drawn = labels_over(frame.rgb, voxels, materials.material_ids)
+    materials, request = shown.materials, shown.request
+    view = _view(frame, materials)
+    voxels = voxels_in_image(materials.surface.positions, view, request.voxel_size)
+    bounds = request.snapshot.bounds
+    is_scanned = None if bounds is None else bounds.shows(frame)
+    drawn = labels_over(frame.rgb, voxels, materials.material_ids, is_scanned)
     return image_message(drawn, frame.frame_id, frame.stamp_ns)
 
 

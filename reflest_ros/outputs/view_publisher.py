@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import threading
+import traceback
 from collections.abc import Callable
 from typing import Any
 
@@ -74,7 +75,11 @@ class ViewPublisher:
     def _on_matched(self, info: QoSPublisherMatchedInfo) -> None:
         with self._lock:
             if info.current_count_change > 0:
-                self._publish_unseen()
+                try:
+                    self._publish_unseen()
+                except Exception as error:  # the executor would end with it
+                    trace = "".join(traceback.format_exception(error)).rstrip()
+                    self._node.get_logger().error(f"{self._publisher.topic_name}: {trace}")
 
     def _publish_unseen(self) -> None:
         if self._unseen is not None:

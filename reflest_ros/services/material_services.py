@@ -8,8 +8,10 @@ import math
 
 import numpy as np
 from geometry_msgs.msg import Point
+from numpy.typing import NDArray
 
 from reflest_core.errors import ReflestError
+from reflest_core.fusion.frames.region import RegionShape
 from reflest_core.rendering.material_labels import NOTHING, voxel_near, voxels_in_image
 from reflest_ros.outputs.material_message import material_to_message, unknown_material
 from reflest_ros.outputs.material_output import MaterialOutput, ShownMaterials
@@ -84,6 +86,7 @@ def _voxel(shown: ShownMaterials, request: MaterialAt.Request) -> int:
         if found is None:
             raise ReflestError(
                 f"no scanned surface is within {REACH * voxel_size:g} m of the point"
+                f"{_bounds_missed(shown, point)}"
             )
         return found
     if request.kind != MaterialAt.Request.KIND_PIXEL:
@@ -94,7 +97,38 @@ def _voxel(shown: ShownMaterials, request: MaterialAt.Request) -> int:
     width, height = view.intrinsics.width, view.intrinsics.height
     if not (0.0 <= request.u < width and 0.0 <= request.v < height):
         raise ReflestError(f"the pixel is not in the image of {width} x {height} pixels")
-    voxel = int(voxels_in_image(positions, view, voxel_size)[int(request.v), int(request.u)])
+    u, v = int(request.u), int(request.v)
+    voxel = int(voxels_in_image(positions, view, voxel_size)[v, u])
     if voxel == NOTHING:
-        raise ReflestError("no scanned surface is under the pixel")
+        raise ReflestError(f"no scanned surface is under the pixel{_pixel_missed(shown, u, v)}")
     return voxel
+
+
+def _bounds_missed(shown: ShownMaterials, point: NDArray[np.float64]) -> str:
+    """Why a point cannot have been scanned, as the rest of a sentence, or ""."""
+    bounds = shown.request.snapshot.bounds
+    if bounds is None or bounds.contains(point[None])[0]:
+        return ": scan more of what is there"
+    if bounds.shape is RegionShape.BOX:
+        return ", which lies outside of the region of interest: nothing there is scanned"
+    centre = ", ".join(f"{value:.2f}" for value in bounds.centre)
+    away, radius = float(np.linalg.norm(point - bounds.centre)), float(bounds.half_size[0])
+    far = f", which lies {away:.2f} m from ({centre})"
+    if shown.request.snapshot.memory is None:
+        return (
+            f"{far}, outside of the region of interest of {radius:.2f} m: nothing there is scanned"
+        )
+    return (
+        f"{far}, outside of the work radius of {radius:.2f} m: nothing there is scanned; raise "
+        "fusion.work_radius, or reset the scan and begin there"
+    )
+
+
+def _pixel_missed(shown: ShownMaterials, u: int, v: int) -> str:
+    """The same for a pixel of the last frame."""
+    frame = shown.request.frame
+    if frame is None or not frame.depth[v, u] > 0.0:
+        return ", which has no depth: what has none is background and is not scanned"
+    camera, depth = frame.intrinsics, float(frame.depth[v, u])
+    ray = np.array([(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0])
+    return _bounds_missed(shown, frame.T_world_camera[:3, :3] @ (depth * ray) + frame.camera_centre)

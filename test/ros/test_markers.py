@@ -4,12 +4,16 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from view_input import estimate, keyframe, looking_down
 from visualization_msgs.msg import Marker
 
 from reflest_core.estimation.estimate import EstimateStatus
+from reflest_core.estimation.scan_memory import ScanMemory
+from reflest_core.fusion.frames.region import Region, RegionShape
 from reflest_core.fusion.settings import RegionSettings
 from reflest_ros.outputs.markers import camera_pyramid, estimate_text, marker_message
 from reflest_ros.outputs.view_settings import MarkerSettings
@@ -106,5 +110,14 @@ def test_the_region_of_interest_is_a_glass_body(shape, kind, edges):
     assert 0 < body.color.a < 0.3
 
 
-def test_without_a_region_none_is_drawn():
+def test_without_a_region_circles_show_the_work_radius():
     assert markers()["region"].action == Marker.DELETE
+    assert markers()["work_radius"].action == Marker.DELETE
+    bounds = Region(RegionShape.SPHERE, np.array([1.0, 2.0, 3.0]), np.full(3, 0.5))
+    shown = dataclasses.replace(keyframe(), bounds=bounds, memory=ScanMemory())
+    circles = markers(shown)["work_radius"]
+    places = np.array([[point.x, point.y, point.z] for point in circles.points])
+    assert len(places) % 2 == 0
+    np.testing.assert_allclose(np.linalg.norm(places - bounds.centre, axis=1), 0.5)
+    in_region = dataclasses.replace(shown, memory=None)
+    assert markers(in_region)["work_radius"].action == Marker.DELETE

@@ -109,3 +109,16 @@ def test_who_leaves_is_not_served(node, publisher, spin_until):
     second = Made("second")
     publisher.show(second)
     assert second.count == 0
+
+
+def test_a_message_that_cannot_be_made_for_a_newcomer_is_logged_and_the_node_goes_on(
+    node, publisher, spin_until
+):
+    def broken():
+        raise ZeroDivisionError
+
+    publisher.show(broken)
+    texts, _ = listen(node)
+    spin_until(lambda: node.count_subscribers("look") == 1)
+    publisher.replace(String(data="after"))
+    spin_until(lambda: texts == ["after"])

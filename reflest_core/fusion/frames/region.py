@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.capture.frame import Frame
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.jit import compiled, kernel_array
 
@@ -59,6 +60,24 @@ class Region:
             origin: (3,) world frame, metres.
         """
         return replace(self, centre=self.centre - origin)
+
+    def shows(self, frame: Frame) -> NDArray[np.bool_]:
+        """Find the pixels of a frame whose depth lies in the region.
+
+        Args:
+            frame: The frame, in the same coordinates.
+
+        Returns:
+            (H, W) bool; without a region all pixels with depth.
+        """
+        depth = kernel_array(frame.depth, np.float32)
+        if self.shape is RegionShape.NONE:
+            return np.asarray(depth > 0.0)
+        inside = np.empty(depth.shape, np.bool_)
+        pose, K = kernel_array(frame.T_world_camera, np.float64), frame.intrinsics.matrix
+        region = int(self.shape), self.centre, self.half_size
+        pixels_in_region(0, len(depth), depth, pose, K, *region, inside)
+        return inside
 
     def contains(self, points: NDArray[np.floating]) -> NDArray[np.bool_]:
         """Test points; the boundary counts as inside.

@@ -63,6 +63,18 @@ def test_labels_are_drawn_where_voxels_are_and_nowhere_else():
     assert (drawn[15, 19] == 20).all()
 
 
+def test_what_is_outside_of_the_bounds_is_dark_unless_it_is_a_material():
+    rgb = np.full((30, 40, 3), 200, np.uint8)
+    voxels = np.full((30, 40), NOTHING)
+    voxels[10:20, 10:20] = 0
+    is_scanned = np.zeros((30, 40), np.bool_)
+    is_scanned[:5] = True
+    drawn = labels_over(rgb, voxels, np.array([1], np.uint32), is_scanned)
+    assert (drawn[:4] == 200).all()
+    assert (drawn[25:] == 80).all()
+    assert drawn[15, 15].max() > 100
+
+
 def test_the_nearest_voxel_within_reach_is_found():
     positions = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0]])
     assert voxel_near(positions, np.array([0.09, 0.0, 0.0]), 0.02) == 1
