@@ -5,9 +5,10 @@
 ``ros2 launch reflest_ros estimator.launch.py camera:=realsense [namespace:=robot1] [rviz:=true]
 [viewer:=true] [bag:=FOLDER] [config:=FILE]``; ``--show-args`` lists all arguments. Needs
 launch_ros, which an apt installation of ROS 2 has; bag:= needs ros2bag, rviz:= needs rviz2 and
-viewer:= the Python package viser as well.
+viewer:= the Python packages viser and trimesh as well, which rosdep.yaml has.
 """
 
+from importlib.util import find_spec
 from pathlib import Path
 
 from ament_index_python.packages import (
@@ -59,6 +60,9 @@ ARGUMENTS = (
 )
 
 
+VIEWER_PACKAGES = ("viser", "trimesh")
+
+
 class LaunchError(RuntimeError):
     """Something that was asked for cannot be started; nothing is."""
 
@@ -95,7 +99,7 @@ def nodes(context: LaunchContext) -> list[Action]:
         context: Holds the values of the arguments.
 
     Returns:
-        The estimator, and the bag and RViz where they are asked for.
+        The estimator, and the bag, the viewer and RViz where they are asked for.
     """
     given = {name: LaunchConfiguration(name).perform(context) for name, *_ in ARGUMENTS}
     uses_sim_time = given["use_sim_time"] == "true"
@@ -103,6 +107,8 @@ def nodes(context: LaunchContext) -> list[Action]:
         _require("rviz2", "rviz:=true")
     if given["bag"]:
         _require("ros2bag", "bag:=")
+    if given["viewer"] == "true":
+        _require_python(*VIEWER_PACKAGES)
     estimator = LifecycleNode(
         package="reflest_ros",
         executable="estimator",
@@ -185,3 +191,14 @@ def _require(package: str, argument: str) -> None:
             f"{argument} needs the package {package}, which is not installed: install "
             f"ros-$ROS_DISTRO-{package.replace('_', '-')} or leave the argument out"
         ) from None
+
+
+def _require_python(*packages: str) -> None:
+    """The same for what the viewer imports."""
+    missing = [name for name in packages if find_spec(name) is None]
+    if missing:
+        raise LaunchError(
+            f"viewer:=true needs the Python packages {' and '.join(missing)}: run rosdep install "
+            "with reflest's rosdep.yaml, or pip install -r "
+            "reflest_core/requirements-viewer.txt, or leave the argument out"
+        )

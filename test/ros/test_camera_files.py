@@ -5,9 +5,12 @@
 from __future__ import annotations
 
 import ast
+import importlib.util
 import os
+import shutil
 import signal
 import subprocess
+import sys
 
 import pytest
 import rclpy
@@ -91,8 +94,8 @@ def test_a_bag_is_moved_into_the_namespace_of_its_node(sphere_bag):
 
 def test_the_launch_file_launches_the_node(domain_id, tmp_path):
     """Where launch_ros is installed: it comes up, and ends with the launch."""
-    launch = pytest.importorskip("launch_ros", reason="launch_ros comes with an apt installation")
-    assert launch
+    if shutil.which("ros2") is None:
+        pytest.skip("ros2 launch comes with an apt installation")
     environment = {**os.environ, "ROS_DOMAIN_ID": str(domain_id)}
     command = ["ros2", "launch", str(LAUNCH), "camera:=tum", "log_level:=info"]
     with subprocess.Popen(
@@ -105,6 +108,37 @@ def test_the_launch_file_launches_the_node(domain_id, tmp_path):
                 break
         running.send_signal(signal.SIGINT)
     assert any("reflest_estimator" in text for text in seen), seen
+
+
+@pytest.fixture
+def launched(monkeypatch):
+    """What the launch file makes of arguments, where launch_ros is installed."""
+    launch = pytest.importorskip("launch", reason="launch comes with an apt installation")
+    pytest.importorskip("launch_ros", reason="launch_ros comes with an apt installation")
+    spec = importlib.util.spec_from_file_location("estimator_launch", LAUNCH)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+
+    def made(**given):
+        context = launch.LaunchContext()
+        for name, default, *_ in module.ARGUMENTS:
+            context.launch_configurations[name] = given.get(name, default)
+        return module.nodes(context)
+
+    return made
+
+
+def test_the_viewer_is_launched_beside_the_estimator_where_it_is_asked_for(launched):
+    (alone,) = launched()
+    assert alone.node_executable == "estimator"
+    estimator, viewer = launched(viewer="true", viewer_host="0.0.0.0", namespace="robot1")
+    assert (estimator.node_executable, viewer.node_executable) == ("estimator", "viewer")
+
+
+def test_without_what_the_viewer_needs_nothing_is_launched(launched, monkeypatch):
+    monkeypatch.setitem(sys.modules, "viser", None)
+    with pytest.raises(RuntimeError, match="viewer:=true needs the Python packages viser: run"):
+        launched(viewer="true")
 
 
 def constants(tree):

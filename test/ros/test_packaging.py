@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import subprocess
 import sys
@@ -104,6 +105,25 @@ def test_every_python_library_is_a_key_that_rosdep_can_find():
             name = line.split("==")[0]
             assert packages.get(name, common.get(name, f"python3-{name}")) in declared, name
     assert set(packages.values()) <= declared
+
+
+def test_what_the_viewer_of_a_node_needs_is_a_key_too():
+    """The launch file asks for the same packages, of the extra that pip installs."""
+    manifest = ElementTree.parse(ROOT / "package.xml").getroot()
+    declared = {one.text for one in manifest.iter("exec_depend")}
+    shipped = yaml.safe_load((ROOT / "rosdep.yaml").read_text())
+    extra = (ROOT / "reflest_core" / "requirements-viewer.txt").read_text()
+    (needed,) = (
+        ast.literal_eval(node.value)
+        for node in ast.parse((ROOT / "launch" / "estimator.launch.py").read_text()).body
+        if isinstance(node, ast.Assign) and node.targets[0].id == "VIEWER_PACKAGES"
+    )
+    assert set(needed) == {"viser", "trimesh"}
+    for name in needed:
+        assert f"reflest-{name}-pip" in declared
+        for system in ("debian", "ubuntu"):
+            assert shipped[f"reflest-{name}-pip"][system]["pip"]["packages"] == [name]
+        assert f"\n{name}==" in extra
 
 
 def test_every_ros_package_that_is_imported_is_declared():
