@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimate import BrdfEstimate
+from reflest_core.estimation.evidence_budget import EvidenceBudget
 from reflest_core.estimation.material_map import (
     MOST_MATERIALS,
     MaterialEstimate,
@@ -37,13 +38,19 @@ from reflest_core.surface.partition import UNASSIGNED, WHOLE, Partition
 from reflest_core.surface.upright import upright
 from reflest_core.surface.voxel_choice import choose_voxels
 
+FEWEST_GLOSS_VOXELS = 30
+"""Whatever the budget: with fewer voxels alpha is hardly ever determined."""
+
 
 class NoEstimate(ReflestError):
     """The scan does not hold enough for an estimate; the sentence says what is missing."""
 
 
 class Estimator:
-    """Estimates the BRDF of observed surfaces; the same surface gives the same bits."""
+    """Estimates the BRDF of observed surfaces.
+
+    The same surface gives the same bits, unless ``estimation.budget`` limits the time.
+    """
 
     def __init__(self, settings: EstimationSettings) -> None:
         """Load the network; :class:`WeightsError`, :class:`DeviceError` where that cannot be.
@@ -55,6 +62,7 @@ class Estimator:
         weights = Path(settings.weights) if settings.weights else None
         self.predictor = Predictor(settings.model, weights, settings.device, settings.threads)
         self._publisher = Publisher(self.predictor, settings)
+        self._budget = EvidenceBudget(settings.budget)
 
     def estimate(
         self, surface: ObservedSurface, stamp_ns: int, frame_id: str, light_problem: str = ""
@@ -72,17 +80,24 @@ class Estimator:
         """
         self._check_voxels(surface)
         surface = upright(surface, self.settings.up)
-        header = Header(stamp_ns, frame_id, light_problem)
         if not self.predictor.sees_light:
+            header = Header(stamp_ns, frame_id, light_problem)
             return self._publisher.estimate(surface, self.predictor.predict(surface), None, header)
+        header = Header(stamp_ns, frame_id, light_problem, self._budget.note)
+        with self._budget.spending():
+            return self._lit_estimate(surface, header)
+
+    def _lit_estimate(self, surface: ObservedSurface, header: Header) -> BrdfEstimate:
+        """Estimate a surface of one material in its light, by the budget's share of evidence."""
+        share = self._budget.share
         with one_blas_thread():
-            light = infer_light(surface, seen_light(surface))
+            light = infer_light(surface, seen_light(surface), evidence_share=share)
             found = explain_material(light, WHOLE)
         gloss = gloss_posterior(
             surface,
             light.filled,
             [np.arange(surface.voxel_count)],
-            most=self.settings.gloss_voxels,
+            most=max(round(share * self.settings.gloss_voxels), FEWEST_GLOSS_VOXELS),
             least_gain=self.settings.gloss_information,
         )
         found = replace(found, posterior=gloss)

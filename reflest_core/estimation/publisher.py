@@ -34,11 +34,13 @@ class Header:
         stamp_ns: stamp of the keyframe's image.
         frame_id: camera frame of that image.
         light_problem: a warning about the surface's light, or "".
+        budget: what was left out to save time, as a sentence, or "".
     """
 
     stamp_ns: int
     frame_id: str
     light_problem: str
+    budget: str = ""
 
 
 @dataclass(frozen=True)
@@ -113,7 +115,7 @@ class Publisher:
             view_count=surface.observing_views,
             coverage=coverage,
             status=found[0][0] if found else EstimateStatus.OK,
-            status_text="; ".join(sentence for _, sentence in found),
+            status_text="; ".join(filter(None, [*(text for _, text in found), header.budget])),
             **self._deviations(ward, stddev),
         )
 

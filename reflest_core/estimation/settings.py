@@ -87,6 +87,15 @@ class EstimationSettings:
         minimum=30,
         maximum=10000,
     )
+    budget: float = parameter(
+        0.0,
+        "Seconds that an estimate of lightnet may take; where one takes longer, the next ones use "
+        "less of the evidence, down to a quarter, and say so. Estimates then depend on the "
+        "computer's speed. 0 sets no limit. Without a region, what divides the scan into materials "
+        "is not shortened.",
+        minimum=0.0,
+        maximum=60.0,
+    )
     gloss_information: float = parameter(
         40.0,
         "With less log-likelihood over that of a matte surface lightnet's alpha cannot be "

@@ -70,7 +70,10 @@ def scene_occluders(surface: ObservedSurface, has_visibility: bool = True) -> Oc
 
 
 def material_evidence(
-    surface: ObservedSurface, filled: LightPyramid, occluders: Occluders | SceneOccluders
+    surface: ObservedSurface,
+    filled: LightPyramid,
+    occluders: Occluders | SceneOccluders,
+    share: float = 1.0,
 ) -> MaterialEvidence:
     """Gather the evidence of one material.
 
@@ -78,11 +81,12 @@ def material_evidence(
         surface: the material's voxels, of which at least one was observed.
         filled: the light that was seen, filled smoothly where it was not.
         occluders: of the whole scene.
+        share: of the usual voxels whose observations give gloss, in (0, 1].
     """
     voxels = thinned(surface.observation_counts, SHADED)
     weights = cosine_weights(surface.normals[voxels])
     sight = occluders.sight(surface.positions[voxels], surface.normals[voxels], weights)
-    sample = sampled(surface, choose_voxels(surface, SAMPLED))
+    sample = sampled(surface, choose_voxels(surface, max(round(share * SAMPLED), TRAINED)))
     weights_of_sample = cosine_weights(sample.normals)
     sight_of_sample = occluders.sight(
         surface.positions[sample.voxels], sample.normals, weights_of_sample

@@ -68,6 +68,7 @@ def infer_light(
     has_visibility: bool = True,
     joint: JointScene | None = None,
     evidence_of: Collection[int] | None = None,
+    evidence_share: float = 1.0,
 ) -> SceneLight:
     """Infer the light of a scene from the light that was seen and from all materials.
 
@@ -80,6 +81,7 @@ def infer_light(
         joint: the light of the surface's segments, where it is known already; None takes each of
             several materials for a segment.
         evidence_of: those of several materials whose evidence is gathered; None for all.
+        evidence_share: of one material's usual evidence, in (0, 1]: less takes less time.
     """
     partition = Partition.whole(surface) if partition is None else partition
     if joint is not None or len(partition.ids) > 1:
@@ -88,12 +90,13 @@ def infer_light(
     parts = LightParts.of(observed, filled)
     occluders = scene_occluders(surface, has_visibility)
     evidence = {
-        material_id: material_evidence(part, filled, occluders)
+        material_id: material_evidence(part, filled, occluders, evidence_share)
         for material_id, part in partition.parts(surface)
         if part.observation_counts.any()
     }
     inferred = {
-        material_id: _inferred(found, filled, parts) for material_id, found in evidence.items()
+        material_id: _inferred(found, filled, parts, evidence_share)
+        for material_id, found in evidence.items()
     }
     (found,) = inferred.values()
     completed = complete_by(observed, filled, found[1])
@@ -164,10 +167,12 @@ def complete_by(
     return levels_below(finest, filled.excess)
 
 
-def _inferred(evidence: MaterialEvidence, filled: LightPyramid, parts: LightParts) -> Inferences:
+def _inferred(
+    evidence: MaterialEvidence, filled: LightPyramid, parts: LightParts, share: float
+) -> Inferences:
     response = diffuse_response(parts, evidence.incoming)
     shading = infer_from_shading(response, evidence.colours)
-    used = sampled(evidence.surface, evidence.voxels).every(USED_OBSERVATIONS)
+    used = sampled(evidence.surface, evidence.voxels).every(round(USED_OBSERVATIONS / share))
     mirrored = reflection(
         filled,
         evidence.gloss.roughness,
