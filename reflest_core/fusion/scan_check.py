@@ -28,6 +28,8 @@ LONGEST_NAME = 1024
 GREATEST_GAIN = 2.0**20
 FARTHEST_FROM_SAMPLE = 4.0
 """Voxels between a surface point and the sample point of its voxel."""
+FARTHEST_PLACE = 1e7
+"""Metres."""
 GREATEST_TSDF = 16.0
 """Distances are cut off in front of the surface, and only about behind it."""
 GREATEST_NORMAL = 1.001
@@ -87,7 +89,7 @@ def checked_header(header: Mapping[str, Any]) -> ScanHeader:
             RegionSettings(
                 _of_type(region["shape"], str), _vector(region["centre"]), _vector(region["size"])
             ),
-            _vector(header.get("origin", [0.0, 0.0, 0.0])),
+            _place(header.get("origin", [0.0, 0.0, 0.0])),
             _integer(header["frame_number"], 0, MOST_FRAMES),
             _integer(header.get("unchecked_until", -1), -1, MOST_FRAMES),
             None if stamp_ns is None else _integer(stamp_ns, -(2**63), 2**63 - 1),
@@ -95,7 +97,7 @@ def checked_header(header: Mapping[str, Any]) -> ScanHeader:
             _name(header.get("world_frame_id", "")),
             _gain(header["exposure_gain"]),
             header.get("work_sphere"),
-            None if header.get("middle") is None else _vector(header["middle"]),
+            None if header.get("middle") is None else _place(header["middle"]),
         )
     except KeyError as error:
         raise ValueError(f"its header has no {error}") from None
@@ -208,6 +210,13 @@ def _vector(value: Any) -> tuple[float, float, float]:
     if not all(map(math.isfinite, (x, y, z))):
         raise ValueError(f"{value!r:.40} is not finite")
     return (x, y, z)
+
+
+def _place(value: Any) -> tuple[float, float, float]:
+    place = _vector(value)
+    if max(map(abs, place)) > FARTHEST_PLACE:
+        raise ValueError(f"{value!r:.40} is too far away")
+    return place
 
 
 def _integer(value: Any, least: int, most: int) -> int:

@@ -53,6 +53,13 @@ def of_fusion(stored, **changed):
     [
         {"frame_number": float("inf")},
         {"frame_number": -5},
+        {"origin": [0.0, 0.0]},
+        {"origin": [1e300, 0.0, 0.0]},
+        {"origin": "somewhere"},
+        {"middle": [0.0, 0.0, "x"]},
+        {"middle": [0.0, 0.0, -1e9]},
+        {"unchecked_until": 1e300},
+        {"unchecked_until": -7},
         {"frame_number": 2**100},
         {"frame_number": 1.5},
         {"exposure_gain": float("nan")},
