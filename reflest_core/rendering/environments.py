@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.jit import kernel_array, vectorised
 from reflest_core.light.equirectangular import (
     equirectangular_directions,
     equirectangular_solid_angles,
@@ -18,6 +19,8 @@ from reflest_core.light.equirectangular import (
 
 ROWS = 32
 """Of the coarse image that irradiance is summed over."""
+LANES = 64
+"""Normals for which it is summed at once, by vector instructions."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +86,29 @@ def irradiance(
     """
     cells = cv2.resize(environment, (2 * ROWS, ROWS), interpolation=cv2.INTER_AREA)
     weighted = cells * equirectangular_solid_angles(ROWS)[..., None]
-    cosine = np.clip(normals @ equirectangular_directions(ROWS).reshape(-1, 3).T, 0, None)
-    arriving: NDArray[np.float64] = cosine @ weighted.reshape(-1, 3)
+    arriving = np.empty((len(normals), 3))
+    directions = kernel_array(equirectangular_directions(ROWS).reshape(-1, 3), np.float64)
+    light = kernel_array(weighted.reshape(-1, 3), np.float64)
+    for first in range(0, len(normals), LANES):
+        some = normals[first : first + LANES]
+        padded = np.zeros((3, LANES))
+        padded[:, : len(some)] = some.T
+        arriving[first : first + LANES] = _sum_light(padded, directions, light)[:, : len(some)].T
     return arriving
+
+
+@vectorised
+def _sum_light(
+    normals: NDArray[np.float64], directions: NDArray[np.float64], light: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """(3, LANES) sums over the cells of cosine times light, for as many ``normals`` (3, LANES)."""
+    sums = np.zeros(3 * LANES)
+    for cell in range(len(directions)):
+        x, y, z = directions[cell, 0], directions[cell, 1], directions[cell, 2]
+        red, green, blue = light[cell, 0], light[cell, 1], light[cell, 2]
+        for n in range(LANES):
+            cosine = max(x * normals[0, n] + y * normals[1, n] + z * normals[2, n], 0.0)
+            sums[n] += cosine * red
+            sums[LANES + n] += cosine * green
+            sums[2 * LANES + n] += cosine * blue
+    return sums.reshape(3, LANES)
