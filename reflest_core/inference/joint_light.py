@@ -22,6 +22,7 @@ from reflest_core.inference.transport.light_patches import LightParts, diffuse_r
 from reflest_core.inference.transport.patch_grid import (
     PATCHES,
     patch_image,
+    texels_of_patches,
 )
 from reflest_core.inference.transport.reflected_patches import scene_reflection
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
@@ -155,6 +156,9 @@ class JointInference:
             occluders: surfels of the whole scene.
         """
         self.observed, self.filled = observed, complete(observed)
+        fine = self.filled.levels[0]
+        texels = texels_of_patches(len(fine))
+        self._fill = fine[..., RADIANCE].reshape(-1, 3)[texels].mean(axis=1)
         self.segments = int(labels.max(initial=-1)) + 1
         voxels, self._segment_of_voxel = _chosen_voxels(surface, labels, self.segments)
         self._sample = sampled(surface, voxels)
@@ -229,7 +233,7 @@ class JointInference:
         )
         solutions = []
         for channel in range(3):
-            prior = light_prior.of_channel(channel)
+            prior = light_prior.of_patches(channel, self._fill)
             system = ChannelSystem(
                 sample.colours[:, channel],
                 sample.clipped[:, channel],

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.inference.light_prior import LightPrior
+from reflest_core.inference.light_prior import PatchPrior
 from reflest_core.inference.nonnegative import nonnegative_minimum
 from reflest_core.jit import compiled, kernel_array
 
@@ -115,7 +115,7 @@ class ChannelSystem:
     diffuse: Array32
     mirrored: Array32
     rho_s: Array
-    prior: LightPrior
+    prior: PatchPrior
 
     def solve(self, start: ChannelState, turns: int, is_found: bool) -> ChannelSolution:
         """Minimise from ``start``.

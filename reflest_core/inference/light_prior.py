@@ -11,6 +11,7 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf.lab import luminance
 from reflest_core.inference.nonnegative import nonnegative_minimum
 from reflest_core.inference.transport.patch_grid import PATCHES, patch_directions
 
@@ -27,9 +28,25 @@ bluer than what stands below them. The mean of logarithms over the 24 lights of 
 LEVEL = 0.3
 """Sine of the elevation up to which, above and below, a patch is beside the object."""
 
+DARKEST_FILL, TINTS = 1e-4, (0.2, 5.0)
+"""Radiance that a fill has at least, and how far its colour is made grey."""
+
 Array = NDArray[np.float64]
 Expected = tuple[float, float]
 """Mean and standard deviation."""
+
+
+@dataclass(frozen=True)
+class PatchPrior:
+    """What each patch of light is expected to hold in one channel, P patches.
+
+    Attributes:
+        mean: (2 P,), of unseen light in multiples of its fill, and of the excess.
+        width: (2 P,) standard deviations.
+    """
+
+    mean: Array
+    width: Array
 
 
 @dataclass(frozen=True)
@@ -55,6 +72,23 @@ class LightPrior:
             channel: 0, 1, 2 for red, green, blue.
         """
         return _of_hue(self, HUE[channel])
+
+    def of_patches(self, channel: int, fill: NDArray[np.floating]) -> PatchPrior:
+        """Expect light from above as grey as lamps and clouds are, whatever colour fills it.
+
+        What stands around a scan is often coloured, and the fill takes its colour.
+
+        Args:
+            channel: 0, 1, 2 for red, green, blue.
+            fill: (P, 3) the mean colour of each patch's fill, linear.
+        """
+        prior = self.of_channel(channel)
+        grey = luminance(np.maximum(fill, DARKEST_FILL)) / np.maximum(
+            fill[:, channel], DARKEST_FILL
+        )
+        ratio = np.where(patch_directions()[:, 2] > LEVEL, np.clip(grey, *TINTS), 1.0)
+        both = np.concatenate([ratio, np.ones(PATCHES)])
+        return PatchPrior(prior.mean * both, prior.width * both)
 
     @cached_property
     def mean(self) -> Array:
