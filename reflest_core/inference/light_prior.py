@@ -120,8 +120,8 @@ BRIGHT = LightPrior((6.0, 10.0), (2.5, 5.0), (1.2, 1.5))
 """What an orbit does not see is above, and usually bright: a sky, a lamp, a window."""
 SCENE = LightPrior((6.0, 20.0), (2.5, 10.0), (1.2, 3.0))
 """The same for several materials, whose colours together tell more of the light's strength. Over 24
-lights that strength errs by 0.21 in its logarithm, with :data:`BRIGHT` by 0.24
-(``scripts/light_strength.py``)."""
+lights that strength errs by 0.18 in its logarithm, with :data:`BRIGHT` by more
+(``scripts/light_strength.py``, docs/research/material-trials.md)."""
 DIM = LightPrior((2.0, 4.0), (1.5, 2.7), (1.0, 1.3), (4.0, 21.0))
 """As if it were not: how much the albedo then differs says what it hangs on."""
 
