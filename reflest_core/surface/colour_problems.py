@@ -26,9 +26,9 @@ SPREAD = 0.2
 """Median over voxels of the standard deviation over the mean; matt surfaces have less than 0.1."""
 FLOOR = 0.01
 """Added to the mean, linear, 1 for white: any sensor's noise is much of what is almost black."""
-SHARED = 0.2
-"""Correlation of what neighbours show in the same view. Highlights and mirrors give 0.6 and more,
-noise gives 0."""
+SHARED = 0.4
+"""Correlation of what neighbours show in the same view. Highlights and mirrors give 0.5 and more,
+noise gives 0, and up to 0.35 where voxels are finer than pixels and neighbours share these."""
 
 
 @dataclass(frozen=True)

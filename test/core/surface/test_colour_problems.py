@@ -9,7 +9,10 @@ import dataclasses
 import numpy as np
 import pytest
 
+from reflest_core.fusion.scan import Scan
+from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.surface.colour_problems import colour_problems
+from test.core.fusion.analytic_scene import orbit_frames
 from test.core.surfaces import patch_surface
 
 
@@ -72,6 +75,16 @@ def test_colours_of_none_are_named(colour, kind, words):
     problems = colour_problems(patch_surface(colour))
     assert words in getattr(problems, kind)
     assert sum(bool(value) for value in dataclasses.astuple(problems)) == 1
+
+
+@pytest.mark.parametrize("voxel_size", [0.0035, 0.01])
+def test_images_of_noise_are_noise_for_voxels_that_share_pixels_too(voxel_size):
+    fusion = FusionSettings(voxel_size=voxel_size, max_depth=1.0, memory_budget_mb=64.0)
+    scan = Scan(fusion, RegionSettings())
+    rng = np.random.default_rng(4)
+    for frame in orbit_frames(24):
+        scan.fuse(dataclasses.replace(frame, rgb=rng.integers(0, 256, frame.rgb.shape, np.uint8)))
+    assert colour_problems(scan.snapshot()).noise
 
 
 def test_the_order_of_voxels_and_their_number_do_not_matter():
