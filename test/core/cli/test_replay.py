@@ -170,8 +170,7 @@ def test_an_earlier_scan_can_be_known(replay, bag, tmp_path):
     assert record["settings"]["estimation"]["known_light"] == str(tmp_path / "room")
     code, _, err, _ = replay(bag, "--known-light", tmp_path / "nowhere.hdr")
     assert code == 2
-    assert "estimation.known_light" in err
-    assert "nowhere.hdr cannot be read" in err
+    assert one_error(code, err).endswith(f"{tmp_path / 'nowhere.hdr'} does not exist")
 
 
 def test_refusals_are_warned_of_once_and_counted(replay, tmp_path):
@@ -249,7 +248,6 @@ def test_a_region_with_nothing_in_it_ends_with_the_reason(replay, bag):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--model", "resnet"], "estimation.model"),
         (["--voxel-size", "5"], "fusion.voxel_size = 5"),
         (["--config", "absent.yaml"], "absent.yaml"),
         (["--save-scan", "no/such/folder/scan.npz"], "no/such/folder"),
@@ -260,6 +258,12 @@ def test_a_region_with_nothing_in_it_ends_with_the_reason(replay, bag):
 def test_a_bad_option_is_named(weights, bag, capsys, arguments, words):
     code = main(["replay", str(bag), "--weights", str(weights), *arguments])
     assert words in one_error(code, capsys.readouterr().err)
+
+
+def test_a_model_that_there_is_not_is_refused_with_those_that_there_are(bag, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(["replay", str(bag), "--model", "resnet"])
+    assert "--model: invalid choice: 'resnet' (choose from 'lightnet'" in capsys.readouterr().err
 
 
 def test_masks_in_the_config_need_their_topic(weights, bag, tmp_path, capsys):
