@@ -142,6 +142,8 @@ class Diagnostics:
             "materials": str(session.output.materials.count),
             "last material map's duration (s)": f"{session.output.materials.duration:.3f}",
             "last reason for no materials": session.output.materials.failure,
+            **session.output.materials.details,
+            "time of fusion (s)": f"{counts.fusion_seconds:.3f}",
             "depth agreement": f"{session.scanner.poses.agreement:.3f}",
             "pose jumps": str(session.scanner.poses.jumps),
             "voxels": str(counts.voxels),

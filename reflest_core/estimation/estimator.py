@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -163,16 +164,20 @@ class Estimator:
         turned = upright(surface, self.settings.up)
         observed = seen_light(turned)
         header = Header(stamp_ns, frame_id, light_problem)
+        clock = [time.perf_counter()]
         with one_blas_thread():
             scene = memory.segmenter.segment(turned, observed)
             partition, light = scene.partition, None
+            clock.append(time.perf_counter())
             large = self._large_materials(partition, turned)
             if len(large) == 1 and self.predictor.sees_light:
                 # One material says little of the light: the network's albedo is the better one.
                 ids = partition.ids_of(turned.voxel_keys)
                 only = Partition.of(turned, np.where(ids == large[0], ids, UNASSIGNED))
                 light = infer_light(turned, observed, only)
-                return self._map((surface, turned), partition, light, header, scene.sight)
+                clock.append(time.perf_counter())
+                found = self._map((surface, turned), partition, light, header, scene.sight)
+                return _timed(found, clock)
             bases = scene.bases()
             answers = memory.known(self.predictor.model_id, bases)
             if self.predictor.sees_light:
@@ -180,9 +185,10 @@ class Estimator:
                 light = infer_light(
                     turned, observed, partition, joint=scene.joint, evidence_of=unknown
                 )
+            clock.append(time.perf_counter())
             found = self._map((surface, turned), partition, light, header, scene.sight, answers)
         memory.remember(self.predictor.model_id, bases, answers)
-        return found
+        return _timed(found, clock)
 
     def material_at(
         self,
@@ -309,6 +315,14 @@ class Estimator:
                 f"{self.settings.min_voxels}: scan more of the object, or check the region of "
                 "interest and fusion.max_depth"
             )
+
+
+def _timed(found: MaterialMap, clock: list[float]) -> MaterialMap:
+    """Add how long the stages took that began at the times of ``clock``; the last ends now."""
+    ends = [*clock[1:], time.perf_counter()]
+    lasted = (end - start for start, end in zip(clock, ends, strict=True))
+    stages = ("segmentation", "light", "materials")
+    return replace(found, seconds=dict(zip(stages, lasted, strict=True)))
 
 
 def _material(

@@ -5,7 +5,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -76,6 +77,8 @@ class MaterialMap:
         rho_d_stddev: (V, 3) float32, its standard deviation; NaN where unknown.
         light: inferred from all materials; None from networks that see no light.
         world_frame_id: frame of the surface, "" where unknown.
+        seconds: that the stages took: ``segmentation`` with the joint light, ``light`` (the rest of
+            it) and ``materials``.
     """
 
     stamp_ns: int
@@ -87,6 +90,19 @@ class MaterialMap:
     rho_d_stddev: NDArray[np.float32]
     light: SceneLight | None = None
     world_frame_id: str = ""
+    seconds: Mapping[str, float] = field(default_factory=dict, compare=False)
+
+    @property
+    def segment_count(self) -> int:
+        """Segments that the materials consist of."""
+        joint = None if self.light is None else self.light.joint
+        return len(self.materials) if joint is None else len(joint.gloss)
+
+    @property
+    def light_condition(self) -> float:
+        """Condition number of the joint solution for the light; NaN where there is none."""
+        joint = None if self.light is None else self.light.joint
+        return math.nan if joint is None else joint.light.condition
 
     @property
     def material_ids(self) -> NDArray[np.uint32]:

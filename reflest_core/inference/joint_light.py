@@ -86,6 +86,7 @@ class JointLight:
         rho_s_deviation: (S,) its standard deviation.
         roughness: (S,) index into :data:`.ROUGHNESSES`.
         misfit: (3,) root mean square of the observations' relative errors.
+        condition: condition number of the channel that is determined worst, at least 1.
     """
 
     filled: LightPyramid
@@ -98,6 +99,7 @@ class JointLight:
     rho_s_deviation: NDArray[np.float64]
     roughness: NDArray[np.int64]
     misfit: NDArray[np.float64]
+    condition: float
 
     def deviation(self) -> NDArray[np.float32]:
         """(N, N, 3) standard deviation of the completed radiance at the finest resolution."""
@@ -270,6 +272,7 @@ class JointInference:
             rho_s_deviation,
             gloss.roughness,
             np.array([one.misfit for one in solutions]),
+            max(one.condition for one in solutions),
         )
 
 

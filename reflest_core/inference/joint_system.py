@@ -82,6 +82,8 @@ class ChannelSolution:
         gloss_deviation: (S,) standard deviation of ``rho_s``.
         light_deviation: (2 P,) standard deviations of ``state.light``.
         misfit: root mean square of the observations' relative errors, outliers weighing little.
+        condition: condition number (1-norm) of the information with a diagonal of 1, which does
+            not depend on units.
     """
 
     state: ChannelState
@@ -89,6 +91,7 @@ class ChannelSolution:
     gloss_deviation: Array
     light_deviation: Array
     misfit: float
+    condition: float
 
 
 @dataclass(frozen=True)
@@ -150,7 +153,8 @@ class ChannelSystem:
             found[:segments] = np.clip(found[:segments], low, np.maximum(high, SMALLEST_ALBEDO))
             found[segments : 2 * segments] = np.minimum(found[segments : 2 * segments], 1.0)
             x = found
-        deviation = np.sqrt(np.maximum(np.diag(np.linalg.inv(information)), 0.0))
+        covariance = np.asarray(np.linalg.inv(information), np.float64)
+        deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))
         rho_d, rho_s = x[:segments], x[segments : 2 * segments]
         light, light_deviation = self.prior.mean.copy(), self.prior.width.copy()
         light[is_free] = x[2 * segments :]
@@ -164,6 +168,7 @@ class ChannelSystem:
             deviation[segments : 2 * segments],
             light_deviation,
             misfit,
+            _condition(information, covariance),
         )
 
     def _parts(self, x: Array) -> tuple[Array32, Array32, Array32]:
@@ -231,6 +236,13 @@ class ChannelSystem:
     def _sums(self, values: Array32) -> Array:
         """(S, ...) sums over each segment's observations (O, ...)."""
         return np.asarray(np.add.reduceat(values, self.starts, axis=0), np.float64)
+
+
+def _condition(information: Array, covariance: Array) -> float:
+    """Condition number of the information, scaled to a diagonal of 1."""
+    scale = np.sqrt(np.diag(information))
+    scaled, inverse = information / np.outer(scale, scale), covariance * np.outer(scale, scale)
+    return float(np.abs(scaled).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max())
 
 
 @compiled

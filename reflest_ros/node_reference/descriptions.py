@@ -88,6 +88,15 @@ DIAGNOSTICS = {
     "materials": "Materials of the last one.",
     "last material map's duration (s)": "From request to publication; nan before the first.",
     "last reason for no materials": "Why the last map could not be made; empty where it could.",
+    "segments": "Of the last map.",
+    "light's condition": (
+        "Condition number of the last map's joint light, its unknowns scaled; large where it is "
+        "poorly determined, nan for one material."
+    ),
+    "time of segmentation (s)": "Of the last map, the joint light included; nan for a region.",
+    "time of light (s)": "The rest of the last map's light.",
+    "time of materials (s)": "All networks, gloss and albedos of the last map.",
+    "time of fusion (s)": "Of the last frame.",
     "depth agreement": (
         "Share of a keyframe's depth that meets the next one's under the given poses; nan before "
         "the second."

@@ -91,12 +91,12 @@ def map_to_message(materials: MaterialMap, latency: float) -> MaterialMapMessage
     message = MaterialMapMessage(
         schema_version=SCHEMA_VERSION,
         materials=[material_to_message(one) for one in materials.materials],
-        segment_count=len(materials.materials) if joint is None else len(joint.gloss),
+        segment_count=materials.segment_count,
         voxel_count=int((materials.surface.observation_counts > 0).sum()),
         unassigned_voxel_count=int((materials.material_ids == UNASSIGNED).sum()),
         light_seen=math.nan if light is None else float(light.observed.coverage.mean()),
         light_stddev=math.nan if joint is None else _light_stddev(joint.light),
-        light_condition=math.nan,
+        light_condition=materials.light_condition,
         latency=latency,
     )
     message.header.stamp = ns_to_stamp(materials.stamp_ns)

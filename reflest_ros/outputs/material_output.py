@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 import traceback
 from dataclasses import dataclass
@@ -96,6 +97,20 @@ class MaterialOutput:
     def count(self) -> int:
         """Materials of the latest map."""
         return 0 if self.latest is None else len(self.latest.materials.materials)
+
+    @property
+    def details(self) -> dict[str, str]:
+        """What the diagnostics say of the latest map: its segments, its light, and its stages."""
+        found = None if self.latest is None else self.latest.materials
+        seconds = {} if found is None else found.seconds
+        return {
+            "segments": "0" if found is None else str(found.segment_count),
+            "light's condition": f"{math.nan if found is None else found.light_condition:.1f}",
+            **{
+                f"time of {stage} (s)": f"{seconds.get(stage, math.nan):.3f}"
+                for stage in ("segmentation", "light", "materials")
+            },
+        }
 
     @property
     def is_wanted(self) -> bool:

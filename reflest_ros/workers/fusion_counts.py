@@ -33,6 +33,7 @@ class FusionCounts:
         exposure_drift: Stops, NaN where unknown.
         exposure_gain: Correction of the last frame, a factor on linear colour.
         light_seen: Share of all directions in which the light was seen.
+        fusion_seconds: That the last frame took to fuse, its snapshot included.
     """
 
     messages: dict[Role, int] = field(default_factory=lambda: dict.fromkeys(Role, 0))
@@ -51,6 +52,7 @@ class FusionCounts:
     exposure_drift: float = math.nan
     exposure_gain: float = 1.0
     light_seen: float = 0.0
+    fusion_seconds: float = math.nan
 
     def take_store(self, scan: Scan) -> None:
         """Note how full the scan is.

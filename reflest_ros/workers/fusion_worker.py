@@ -291,6 +291,7 @@ class FusionWorker:
             self.counts.matched += 1
             arrival = self._arrivals.pop(frame.stamp_ns, time.monotonic())
             self._arrivals = {k: v for k, v in self._arrivals.items() if k > frame.stamp_ns}
+            began = time.monotonic()
             try:
                 scanned = self._scanner.fuse(frame)
             except FrameRefused as refusal:
@@ -300,6 +301,7 @@ class FusionWorker:
                 self._refuse_after(error, f"the frame at {frame.stamp_ns / 1e9:.3f} s")
                 continue
             self.counts.fused += 1
+            self.counts.fusion_seconds = time.monotonic() - began
             self.last_frame = frame
             self.counts.redundant += scanned.fused.is_redundant
             self.counts.light_alone += scanned.fused.is_light_alone

@@ -62,6 +62,15 @@ def test_albedos_of_voxels_are_near_the_truth(table, found):
     assert np.isfinite(found.rho_d_stddev).all()
 
 
+def test_the_map_says_how_well_its_light_is_determined_and_what_it_took(table, found):
+    assert 1.0 < found.light_condition < 1e6
+    assert found.segment_count >= len(found.materials)
+    assert set(found.seconds) == {"segmentation", "light", "materials"}
+    assert all(0.0 < one < 100.0 for one in found.seconds.values())
+    few = keep_voxels(table.surface, np.flatnonzero(table.labels == 0))
+    assert np.isnan(mapped(few).light_condition)
+
+
 def test_materials_reproduce_what_was_observed(found):
     assert found.materials
     for material in found.materials:
