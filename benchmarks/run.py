@@ -106,6 +106,14 @@ def run(plan: Plan, cache: Path, capture: Path | None = None) -> dict[str, Any]:
         frames=plan.peer_frames,
         exports=plan.exports,
     )
+    _say("materials of the scene")
+    results["materials"] = measured(
+        f"{MEASUREMENTS}.materials",
+        1,
+        capture=bag,
+        frames=plan.peer_frames,
+        step=round(plan.rate / 2.0),
+    )
     results["scene"] = _without_region(plan, Path(bag), "the table and all around it")
     if capture is not None:
         results["capture"] = _without_region(plan, capture.resolve(), capture.name)

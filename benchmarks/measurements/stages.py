@@ -69,7 +69,13 @@ FUSION_STAGES = (
             "reflest_core.light.light_map:LightMap.add_frame",
         ),
     ),
-    Stage(SNAPSHOT, ("reflest_core.estimation.pipeline:Pipeline.snapshot",)),
+    Stage(
+        SNAPSHOT,
+        (
+            "reflest_core.estimation.pipeline:Pipeline.snapshot",
+            "reflest_core.estimation.pipeline:Pipeline.keyframe_snapshot",
+        ),
+    ),
 )
 ESTIMATION_STAGES = (
     Stage("voxel choice", ("reflest_core.models.predictor:choose_voxels",)),

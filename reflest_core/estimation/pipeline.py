@@ -145,7 +145,7 @@ class Pipeline:
         self._last_pose = frame.T_world_camera
         if not self.keyframes.is_keyframe(frame.stamp_ns, frame.T_world_camera):
             return ScannedFrame(fused, None)
-        return ScannedFrame(fused, self._keyframe())
+        return ScannedFrame(fused, self.keyframe_snapshot())
 
     def _go_on_after_jump(self, first: Frame, frame: Frame) -> FusedFrame:
         """Forget the surface, or what the two frames since the tracker's jump contradict of it.
@@ -175,7 +175,7 @@ class Pipeline:
             around = self.scan.snapshot_around_middle(most_voxels)
         return self._as_keyframe(self.scan.snapshot(most_voxels), around)
 
-    def _keyframe(self) -> KeyframeSnapshot:
+    def keyframe_snapshot(self) -> KeyframeSnapshot:
         """Copy what the estimate at a keyframe needs, once: every copy delays the next frame."""
         around = self.scan.snapshot_around_middle()
         if around is None or self.is_all_shown():

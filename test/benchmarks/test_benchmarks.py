@@ -11,6 +11,7 @@ import socket
 import domain_coordinator
 import pytest
 
+from benchmarks.measurements.materials import SCRATCH, STEADY, STEPS
 from benchmarks.measurements.stages import (
     ASSEMBLE,
     CAPTURE_STAGES,
@@ -33,6 +34,7 @@ from benchmarks.measurements.stages import (
 from benchmarks.measuring.machine import ROOT
 from benchmarks.plan import TINY
 from benchmarks.report.page import BEGIN, END, GuideDamaged, write_page
+from benchmarks.report.targets import targets
 from benchmarks.run import run
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.models.registry import network_of_model, shipped_models
@@ -143,6 +145,16 @@ def test_the_live_run_accounts_for_every_message(results):
     assert kept > 0
     assert live["estimates"] == live["latency"]["count"] > 0
     assert live["slowest"][0]["latency_ms"] >= live["latency"]["p99_ms"]
+
+
+def test_materials_are_timed_from_scratch_and_from_moment_to_moment(results):
+    materials = results["materials"]
+    counts = {one["name"]: one["count"] for one in materials["timings"]}
+    assert counts == {SCRATCH: 2, STEADY: STEPS}
+    assert materials["materials"] >= 1
+    assert materials["voxels"] > 1000
+    named = [one.what for one in targets(results) if one.what.startswith("materials of")]
+    assert len(named) == 2
 
 
 def test_memory_of_a_full_scan_is_measured(results):
