@@ -87,7 +87,7 @@ class ScanSession:
         self.inputs = Inputs(node, node_settings, settings.capture)
         with contextlib.ExitStack() as on_failure:
             self.scanner = Pipeline(settings)
-            warm_up(self.scanner.estimator)
+            warm_up(self.scanner.estimator, settings.region.shape == "none")
             self.autosave = Autosave(node, node_settings.autosave, self.scanner)
             on_failure.callback(self.autosave.unlock)
             self.assembler = FrameAssembler(

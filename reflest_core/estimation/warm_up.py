@@ -11,44 +11,58 @@ import numpy as np
 
 from reflest_core.capture import warm_up as capture
 from reflest_core.estimation.estimator import Estimator
+from reflest_core.estimation.scan_memory import ScanMemory
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.fusion import warm_up as fusion
-from reflest_core.light.light_map import LightMap
+from reflest_core.light.light_map import SIZE, LightMap
+from reflest_core.light.octahedral import octahedral_directions
 from reflest_core.models.registry import shipped_models
 from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.surface.voxel_key import pack_key
 
 SIDE, VIEWS = 32, 6
 """32 x 32 voxels are more than any network chooses or ``min_voxels`` can ask for."""
 
 
-def warm_up(estimator: Estimator) -> None:
-    """Run every kernel once: a second, or about a minute on the first start.
+def warm_up(estimator: Estimator, is_divided: bool = True) -> None:
+    """Run every kernel once: a second or two, or about two minutes on the first start.
 
     Args:
         estimator: with the network that will be used.
+        is_divided: also what divides a scan into materials, as one without a region is.
     """
     capture.warm_up()
     fusion.warm_up()
-    estimator.estimate(_grey_wall(), 0, "")
+    wall = _wall_of_two_colours()
+    estimator.estimate(wall, 0, "")
+    if is_divided:
+        estimator.segmented_materials(wall, ScanMemory(), 0, "")
 
 
-def _grey_wall() -> ObservedSurface:
-    """A square wall at z = 0, every voxel seen from every view, light from in front of it."""
+def _wall_of_two_colours() -> ObservedSurface:
+    """A square wall at z = 0, every voxel seen from every view, in a light from one side."""
     light = LightMap()
-    light.add(np.array([[0.0, 0.0, 1.0]], np.float32), np.full((1, 3), 128, np.uint8))
+    directions = octahedral_directions(SIZE).reshape(-1, 3)
+    directions = directions[directions[:, 2] > 0.0]
+    light.add(
+        directions, np.where(directions[:, :1] > 0.2, [[200] * 3], [[30] * 3]).astype(np.uint8)
+    )
     voxels = SIDE**2
-    across = np.arange(voxels) % SIDE * 0.01
-    up = np.arange(voxels) // SIDE * 0.01
+    column, row = np.arange(voxels) % SIDE, np.arange(voxels) // SIDE
+    of_voxels = np.where(column[:, None] < SIDE // 2, [[180, 60, 40]], [[50, 80, 150]])
+    # Views differ a little, as those of a glossy surface do.
+    colours = of_voxels[:, None] + 2 * np.arange(VIEWS)[:, None]
     return ObservedSurface(
-        positions=np.stack([across, up, np.zeros(voxels)], axis=1).astype(np.float32),
+        positions=np.stack([0.005 * column, 0.005 * row, 0.0 * row], axis=1).astype(np.float32),
         normals=np.tile(np.array([0.0, 0.0, 1.0], np.float32), (voxels, 1)),
         offsets=np.arange(voxels + 1, dtype=np.int64) * VIEWS,
-        colours=np.full((voxels * VIEWS, 3), 128, np.uint8),
+        colours=colours.reshape(-1, 3).astype(np.uint8),
         view_indices=np.tile(np.arange(VIEWS, dtype=np.uint16), voxels),
         view_centres=np.array([[0.1 * view, 0.0, 0.5] for view in range(VIEWS)], np.float32),
         view_foreground=np.full((VIEWS, 3), 128.0, np.float32),
         view_background=np.full((VIEWS, 3), np.nan, np.float32),
         light=light.observed(),
+        keys=np.array([pack_key(n % SIDE, n // SIDE, 0) for n in range(voxels)]),
     )
 
 

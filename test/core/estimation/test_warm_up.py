@@ -13,12 +13,15 @@ from numba.core.registry import CPUDispatcher
 import reflest_core.inference
 import reflest_core.light
 import reflest_core.models
+import reflest_core.segmentation
 import reflest_core.surface
 from reflest_core.estimation.estimator import Estimator
+from reflest_core.estimation.scan_memory import ScanMemory
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.estimation.warm_up import warm_up
 from reflest_core.models.registry import models
 from test.core.lit_surfaces import lit
+from test.core.lit_table import lit_table
 from test.core.surfaces import sphere_surface
 from test.core.weight_files import untrained_lightnet
 
@@ -30,6 +33,7 @@ def compiled_versions():
         reflest_core.light,
         reflest_core.surface,
         reflest_core.inference,
+        reflest_core.segmentation,
         reflest_core.models,
     )
     for package in packages:
@@ -45,6 +49,7 @@ def compiled_versions():
 def test_no_kernel_is_compiled_afterwards(model, tmp_path):
     weights = str(untrained_lightnet(tmp_path)) if model == "lightnet" else ""
     estimator = Estimator(EstimationSettings(model=model, weights=weights, up=(0.0, -1.0, 0.0)))
+    table = lit_table().surface  # which calls a kernel itself
     warm_up(estimator)
     before = compiled_versions()
     surface = lit(sphere_surface(voxels=1000))
@@ -53,6 +58,7 @@ def test_no_kernel_is_compiled_afterwards(model, tmp_path):
     )
     for scan in (surface, unknown):
         estimator.estimate(scan, 0, "")
+    estimator.segmented_materials(table, ScanMemory(), 0, "")
     assert compiled_versions() == before
     assert before["reflest_core.surface.voxel_choice._k_centre_clusters"] == 1
     assert before["reflest_core.light.turned_light._turn"] == 1
