@@ -112,7 +112,8 @@ class MaterialMap:
     @cached_property
     def normal_stddev(self) -> NDArray[np.float32]:
         """(V,) standard deviation of each voxel's normal about each tangent axis, radians."""
-        return normal_deviations(self.surface.positions, self.surface.normals)
+        surface = self.surface
+        return normal_deviations(surface.positions, surface.normals, surface.neighbour_radius)
 
     def material(self, material_id: int) -> MaterialEstimate | None:
         """Find a material.

@@ -67,6 +67,7 @@ def observed_surface(
         view_foreground=means_at_one_exposure(views.foreground[: views.count], gains),
         view_background=means_at_one_exposure(views.background[: views.count], gains),
         keys=rows.keys[selected],
+        voxel_size=settings.voxel_size,
     )
 
 

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from reflest_core.jit import compiled, kernel_array
 from reflest_core.surface.key_index import KeyIndex, find_row
+from reflest_core.surface.observed_surface import NEIGHBOUR_RADIUS
 from reflest_core.surface.voxel_key import pack_key, unpack_key
 
-RADIUS = 0.009
-"""Metres: in a grid of 5 mm the direct and the diagonal neighbours."""
 
-
-def neighbour_pairs(positions: NDArray[np.float32], radius: float = RADIUS) -> NDArray[np.int32]:
+def neighbour_pairs(
+    positions: NDArray[np.float32], radius: float = NEIGHBOUR_RADIUS
+) -> NDArray[np.int32]:
     """Find all pairs of voxels that are at most ``radius`` apart.
 
     Args:

@@ -90,7 +90,7 @@ class Segmenter:
         """
         surface = in_key_order(surface)
         colours = voxel_colours(surface.colours, surface.offsets)
-        pairs = neighbour_pairs(surface.positions)
+        pairs = neighbour_pairs(surface.positions, surface.neighbour_radius)
         occluders = SceneOccluders.of(surface.positions, surface.normals, colours.median)
         sight = SurfaceSight.of(surface.positions, surface.normals, occluders)
         keys = surface.voxel_keys

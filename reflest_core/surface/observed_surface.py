@@ -16,6 +16,11 @@ from numpy.typing import NDArray
 from reflest_core.jit import compiled
 from reflest_core.light.light_map import ObservedLight
 
+NEIGHBOUR_RADIUS = 0.009
+"""Metres: in a grid of 5 mm the direct and the diagonal neighbours."""
+COARSE, DIAGONAL = 0.9, 1.8
+"""Voxels of more than this share of it have their neighbours within this many of their edges."""
+
 
 @dataclass(frozen=True)
 class ObservedSurface:
@@ -37,6 +42,7 @@ class ObservedSurface:
             scenes. Files do not store it.
         origin: (3,) float64, of the surface's coordinates in the world frame, metres: not 0 where
             a scan lies far from the world's origin. Positions and centres are relative to it.
+        voxel_size: edge of a voxel, metres; 0 for points without a grid.
     """
 
     positions: NDArray[np.float32]
@@ -50,11 +56,18 @@ class ObservedSurface:
     light: ObservedLight | None = None
     keys: NDArray[np.int64] | None = None
     origin: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    voxel_size: float = 0.0
 
     @property
     def voxel_count(self) -> int:
         """V, the number of voxels."""
         return len(self.positions)
+
+    @property
+    def neighbour_radius(self) -> float:
+        """Metres within which voxels are neighbours: direct ones always are."""
+        is_coarse = self.voxel_size > COARSE * NEIGHBOUR_RADIUS
+        return DIAGONAL * self.voxel_size if is_coarse else NEIGHBOUR_RADIUS
 
     @property
     def world_positions(self) -> NDArray[np.floating]:
@@ -103,6 +116,8 @@ def _occurring(indices: NDArray[np.uint16], limit: int) -> NDArray[np.bool_]:
 
 
 SURFACE_ARRAYS = tuple(
-    one.name for one in fields(ObservedSurface) if one.name not in ("light", "keys", "origin")
+    one.name
+    for one in fields(ObservedSurface)
+    if one.name not in ("light", "keys", "origin", "voxel_size")
 )
 """Names of the arrays, which files store one by one."""

@@ -14,33 +14,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.jit import compiled, kernel_array
+from reflest_core.surface.observed_surface import NEIGHBOUR_RADIUS
 
-RADIUS = 0.009
-"""Metres, within which voxels are neighbours."""
 LEAST, PER_SQUARE, MOST = 0.7, 0.008, 10.0
 """Degrees, 1 / degrees and degrees: deviation = LEAST + PER_SQUARE * spread^2, at most MOST. Fitted
 to normals of fused scans with a depth camera's noise, against those of the scanned mesh."""
 
 
 def normal_deviations(
-    positions: NDArray[np.float32], normals: NDArray[np.float32]
+    positions: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    radius: float = NEIGHBOUR_RADIUS,
 ) -> NDArray[np.float32]:
     """Return the standard deviation of each voxel's normal about each tangent axis.
 
     Args:
         positions: (V, 3), metres.
         normals: (V, 3), unit.
+        radius: Metres, within which voxels are neighbours.
 
     Returns:
         (V,) radians; :data:`MOST` degrees where a voxel has no neighbour to judge it by.
     """
-    spreads = np.degrees(normal_spreads(positions, normals))
+    spreads = np.degrees(normal_spreads(positions, normals, radius))
     deviations = np.minimum(LEAST + PER_SQUARE * spreads**2, MOST)
     return np.radians(deviations).astype(np.float32)
 
 
 def normal_spreads(
-    positions: NDArray[np.float32], normals: NDArray[np.float32], radius: float = RADIUS
+    positions: NDArray[np.float32], normals: NDArray[np.float32], radius: float = NEIGHBOUR_RADIUS
 ) -> NDArray[np.float64]:
     """Return the RMS angle between each voxel's normal and its neighbours'.
 

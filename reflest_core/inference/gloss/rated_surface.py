@@ -68,7 +68,7 @@ class RatedSurface:
             surface: V voxels.
             light: the completed light.
         """
-        deviations = normal_deviations(surface.positions, surface.normals)
+        deviations = normal_deviations(surface.positions, surface.normals, surface.neighbour_radius)
         occupied = OccupiedCells.of(surface.positions)
         is_usable, counts, information = _rate(
             kernel_array(surface.positions, np.float32),

@@ -57,6 +57,15 @@ def test_every_ball_is_a_material_of_its_own(table, found):
     assert purity > 0.97
 
 
+def test_voxels_larger_than_the_usual_radius_have_neighbours_too():
+    coarse = lit_table(voxel=0.012, table=0.16)
+    keys = np.arange(1, coarse.surface.voxel_count + 1)
+    surface = dataclasses.replace(coarse.surface, keys=keys, voxel_size=0.012)
+    counts = agreement(mapped(surface), coarse.labels)
+    assert (counts.max(axis=1) > 0.8 * counts.sum(axis=1)).all()
+    assert len(set(counts.argmax(axis=1))) == 4
+
+
 def test_albedos_of_voxels_are_near_the_truth(table, found):
     truth = np.array([material.rho_d for material in table.materials])[table.labels]
     assert np.median(np.abs(np.log(found.rho_d / truth))) < 0.3
