@@ -85,15 +85,14 @@ class Estimator:
             header = Header(stamp_ns, frame_id, light_problem)
             return self._publisher.estimate(surface, self.predictor.predict(surface), None, header)
         header = Header(stamp_ns, frame_id, light_problem, self._budget.note)
-        with self._budget.spending():
+        with self._budget.spending(), one_blas_thread():
             return self._lit_estimate(surface, header)
 
     def _lit_estimate(self, surface: ObservedSurface, header: Header) -> BrdfEstimate:
         """Estimate a surface of one material in its light, by the budget's share of evidence."""
         share = self._budget.share
-        with one_blas_thread():
-            light = infer_light(surface, seen_light(surface), evidence_share=share)
-            found = explain_material(light, WHOLE)
+        light = infer_light(surface, seen_light(surface), evidence_share=share)
+        found = explain_material(light, WHOLE)
         gloss = gloss_posterior(
             surface,
             light.filled,
