@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import importlib
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -127,4 +128,10 @@ def run_in_threads(work: Callable[[int], None], threads: int) -> None:
 @cache
 def _blas_libraries() -> tuple[LibController, ...]:
     """Those that are loaded; set one by one, which takes a fifth of what a limit of all takes."""
+    importlib.import_module("scipy.linalg")  # brings its own
     return tuple(ThreadpoolController().select(user_api="blas").lib_controllers)
+
+
+# At import: a thread that searches while another one loads a library (``import viser``) holds the
+# loader's lock and waits for the interpreter's, and the other one the other way round.
+_blas_libraries()
