@@ -17,12 +17,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core import __version__
+from reflest_core.brdf import srgb
 from reflest_core.capture.frame import Frame
 from reflest_core.environment.environment_map import from_octahedral, nothing_seen
 from reflest_core.environment.picture import tone_mapped
 from reflest_core.estimation.material_map import MaterialEstimate, MaterialMap
 from reflest_core.light.octahedral import octahedral_solid_angles
-from reflest_core.rendering.material_labels import material_colour
+from reflest_core.rendering.material_labels import (
+    CameraView,
+    labels_over,
+    material_colour,
+    voxels_in_image,
+)
 from reflest_core.surface.upright import rotation_to_z
 from reflest_core.viewer.colour_modes import patch
 from reflest_core.viewer.material_card import (
@@ -42,6 +48,8 @@ SWATCH = 56
 """Pixels of a material's rendered sphere."""
 MOST_SWATCHES = 24
 """Materials that get one: the largest."""
+BESIDE = 0.35
+"""Brightness of the photograph beside what has an albedo."""
 LIGHT_ROWS = 160
 """Of the panorama."""
 
@@ -70,12 +78,15 @@ def report(
     data = {**model_data(shading), "azimuth": azimuth, "rise": rise}
     folder = files("reflest_core.viewer.report")
     template = Template((folder / "page.html").read_text("utf-8"))
+    labels, albedo = _overlays(scan, photograph)
     materials = scan.found.materials
     models = ", ".join(sorted({one.estimate.model_id for one in materials}))
     page = template.substitute(
         title=f"Materials of {html.escape(name)}",
         summary=html.escape(summary),
         photograph=_jpeg_uri(photograph.rgb),
+        labels=_jpeg_uri(labels),
+        albedo=_jpeg_uri(albedo),
         warnings=_warnings(scan.found, warnings),
         materials="".join(
             _row(one, scan.light if number < MOST_SWATCHES else None)
@@ -90,6 +101,21 @@ def report(
         script=(folder / "model.js").read_text("utf-8"),
     )
     return page.encode("utf-8")
+
+
+def _overlays(scan: ShownScan, photograph: Frame) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """The photograph with the ids of the materials over it, and with the albedo over it."""
+    found, rgb = scan.found, photograph.rgb
+    frame = photograph.relative_to(found.surface.origin)
+    view = CameraView(frame.intrinsics, frame.T_world_camera)
+    voxels = voxels_in_image(found.surface.positions, view, scan.voxel_size)
+    known = np.flatnonzero(np.isfinite(found.rho_d).all(axis=1))
+    encoded = np.full(found.rho_d.shape, -1.0)
+    encoded[known] = 255.0 * srgb.encode(found.rho_d[known].astype(np.float64))
+    # The row after the last voxel's stands for pixels that show none.
+    of_pixels = np.append(encoded, [[-1.0] * 3], axis=0)[voxels]
+    albedo = np.where(of_pixels >= 0.0, of_pixels, BESIDE * rgb)
+    return labels_over(rgb, voxels, found.material_ids), np.rint(albedo).astype(np.uint8)
 
 
 def _direction(scan: ShownScan, eye: NDArray[np.float64]) -> tuple[float, float]:

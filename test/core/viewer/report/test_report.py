@@ -2,12 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """The report is one page that opens without a network and shows the estimate."""
 
+import base64
 import re
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 
+from reflest_core.brdf import srgb
 from reflest_core.cli.main import main
+from reflest_core.rendering.material_labels import OPACITY, material_colour
 from reflest_core.viewer.report.document import report
 from reflest_core.viewer.shown_scan import ShownScan
 from test.core.export.scanned_ball import RED_ID, STRIPED_ID, scanned_ball
@@ -38,6 +43,23 @@ def test_names_and_sentences_are_escaped(page):
     assert "&lt;ball&gt;" in text
     assert "<ball>" not in text
     assert "poses &amp; depths" in text
+
+
+def test_ids_and_albedo_lie_over_the_photograph(page):
+    text = page.read_text("utf-8")
+    labels, albedo = (
+        cv2.imdecode(np.frombuffer(base64.b64decode(found), np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
+        for found in re.findall(r'over the photograph" src="data:image/jpeg;base64,([^"]+)"', text)
+    )
+    photograph = orbit_frames(3)[0].rgb
+    assert labels.shape == albedo.shape == photograph.shape
+    _, found = scanned_ball()
+    red = 255 * srgb.encode(np.array(found.material(RED_ID).estimate.rho_d))
+    is_red = np.abs(albedo.astype(int) - red).max(axis=2) < 25
+    assert 0.005 < is_red.mean() < 0.5
+    expected = photograph + OPACITY * (np.array(material_colour(RED_ID)) - photograph.astype(float))
+    difference = np.abs(labels[is_red].astype(float) - expected[is_red]).max(axis=1)
+    assert (difference < 40).mean() > 0.8
 
 
 def test_the_same_scan_gives_the_same_bytes(page):
