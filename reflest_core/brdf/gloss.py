@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from array_api_compat import array_namespace
 
-from reflest_core.brdf.lab import lab_to_rgb, luminance, rgb_to_lab
+from reflest_core.brdf.lab import at_least, lab_to_rgb, luminance, rgb_to_lab
 from reflest_core.brdf.parameters import (
     ALPHA,
     CONTRAST,
@@ -120,5 +120,4 @@ def to_ward(
 
 def _cube_root(x: Array) -> Array:
     """Cube root of ``x >= 0`` with a finite slope at 0."""
-    xp = array_namespace(x)
-    return xp.clip(x, _SMALLEST, None) ** (1 / 3)
+    return at_least(x, _SMALLEST) ** (1 / 3)

@@ -57,6 +57,21 @@ def constant_like(values: NDArray[np.float64], like: Array) -> Array:
     return xp.asarray(values, dtype=like.dtype, device=like.device)
 
 
+def at_least(values: Array, least: float) -> Array:
+    """Raise values to a least one.
+
+    Args:
+        values: (...) of any kind.
+        least: The bound.
+
+    Returns:
+        (...) as ``xp.clip`` gives them, which takes ten times as long for NumPy's small arrays.
+    """
+    if isinstance(values, (np.ndarray, np.generic)):
+        return np.maximum(values, least)
+    return array_namespace(values).clip(values, least, None)
+
+
 def luminance(rgb: Array) -> Array:
     """Return Rec. 709 luminance.
 
@@ -81,7 +96,7 @@ def rgb_to_lab(rgb: Array) -> Array:
     """
     xp = array_namespace(rgb)
     relative = rgb @ constant_like(_RGB_TO_RELATIVE, rgb)
-    root = xp.clip(relative, _DELTA**3, None) ** (1 / 3)
+    root = at_least(relative, _DELTA**3) ** (1 / 3)
     f = xp.where(relative > _DELTA**3, root, relative / (3 * _DELTA**2) + 4 / 29)
     fx, fy, fz = f[..., 0], f[..., 1], f[..., 2]
     return xp.stack([116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz)], axis=-1)
