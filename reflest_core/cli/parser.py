@@ -16,7 +16,7 @@ from reflest_core.errors import ReflestError
 EXAMPLES = {
     "": "reflest replay captures/glossy-red --report report.html",
     "replay": "reflest replay captures/glossy-red --json out.json --report report.html",
-    "view": "reflest view captures/glossy-red --roi-sphere 0 0 0.12 0.15",
+    "view": "reflest view captures/glossy-red --roi-sphere 0 0 0 0.15",
     "export": "reflest export scan.npz --format glb --out table.glb",
     "completion": "reflest completion bash > ~/.local/share/bash-completion/completions/reflest",
     "train": "reflest train synbrdf/train --variant grouplet-rmse1-ec --out trained",

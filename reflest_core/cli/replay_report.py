@@ -79,7 +79,10 @@ def final_lines(estimate: BrdfEstimate, middle_id: int | None = None) -> list[st
         middle_id: its material, the one in the middle of the last view; None where it is not one
             of several.
     """
-    middle = f"  of     the material in the middle of the last view: id {middle_id} below"
+    middle = (
+        "  of     the material in the middle of the last view, from the voxels around it; "
+        f"id {middle_id} below is from all voxels"
+    )
     gloss, gloss_stddev = (estimate.c, estimate.d), (estimate.c_stddev, estimate.d_stddev)
     return [
         f"final   {estimate_line(estimate)}",

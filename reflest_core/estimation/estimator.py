@@ -34,7 +34,7 @@ from reflest_core.models.linear_algebra import one_blas_thread
 from reflest_core.models.predictor import Predictor
 from reflest_core.segmentation.segmenter import Segmenter, in_key_order
 from reflest_core.surface.extent import voxel_extent
-from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.surface.observed_surface import ObservedSurface, digest
 from reflest_core.surface.partition import UNASSIGNED, WHOLE, Partition
 from reflest_core.surface.upright import upright
 from reflest_core.surface.voxel_choice import choose_voxels
@@ -153,16 +153,27 @@ class Estimator:
             light_problem: a warning about the scene's light, or "".
 
         Returns:
-            The map; its surface has the observed voxels by rising key.
+            The map; the same one again where nothing was scanned since. Its surface has the
+            observed voxels by rising key, or the given ones where they are of one material.
 
         Raises:
             NoEstimate: Too few voxels were observed.
         """
         self._check_voxels(surface)
-        surface = in_key_order(surface)
+        header = Header(stamp_ns, frame_id, light_problem)
+        scanned = self.predictor.model_id, self.settings, header, digest(surface)
+        if memory.last is not None and memory.last[0] == scanned:
+            return memory.last[1]
+        found = self._segmented_materials(surface, memory, header)
+        memory.last = scanned, found
+        return found
+
+    def _segmented_materials(
+        self, given: ObservedSurface, memory: ScanMemory, header: Header
+    ) -> MaterialMap:
+        surface = in_key_order(given)
         turned = upright(surface, self.settings.up)
         observed = seen_light(turned)
-        header = Header(stamp_ns, frame_id, light_problem)
         clock = [time.perf_counter()]
         with one_blas_thread():
             scene = memory.segmenter.segment(turned, observed)
@@ -171,12 +182,12 @@ class Estimator:
             large = self._large_materials(partition, turned)
             if len(large) == 1 and self.predictor.sees_light:
                 # One material says little of the light: the network's albedo is the better one.
+                turned = upright(given, self.settings.up)
                 ids = partition.ids_of(turned.voxel_keys)
                 only = Partition.of(turned, np.where(ids == large[0], ids, UNASSIGNED))
-                light = infer_light(turned, observed, only)
+                light = infer_light(turned, seen_light(turned), only)
                 clock.append(time.perf_counter())
-                found = self._map((surface, turned), partition, light, header, scene.sight)
-                return _timed(found, clock)
+                return _timed(self._map((given, turned), partition, light, header), clock)
             bases = scene.bases()
             answers = memory.known(self.predictor.model_id, bases)
             if self.predictor.sees_light:

@@ -17,7 +17,7 @@ from reflest_core.surface.colour_problems import NO_PROBLEMS, ColourProblems
 EstimateWarning = tuple[EstimateStatus, str]
 """A status and its sentence."""
 _NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)")
-MOST_ERROR = 1.0
+MOST_ERROR = 0.75
 """Photometric error that no estimate may have without a warning."""
 
 
@@ -90,7 +90,7 @@ def warnings_of(evidence: Evidence, settings: EstimationSettings) -> Iterator[Es
             EstimateStatus.UNCERTAIN_GLOSS,
             f"alpha cannot be determined: {evidence.gloss_problem}",
         )
-    elif evidence.photometric_error > MOST_ERROR:
+    if evidence.photometric_error > MOST_ERROR:
         # Every voxel's albedo is fitted to its colours: what is left changes with the view.
         yield (
             EstimateStatus.UNCERTAIN_GLOSS,

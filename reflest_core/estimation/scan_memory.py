@@ -8,6 +8,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from reflest_core.estimation.material_map import MaterialMap
+from reflest_core.estimation.publisher import Header
+from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.inference.gloss.posterior import GlossPosterior
 from reflest_core.models.predictor import Prediction
 from reflest_core.segmentation.segmenter import Segmenter
@@ -31,11 +34,13 @@ class ScanMemory:
         segmenter: divides the scan into materials.
         answers: of the last keyframe's materials, by id, with what each one rests on.
         model_id: the network that gave them.
+        last: the last map, and what it was made of.
     """
 
     segmenter: Segmenter = field(default_factory=Segmenter)
     answers: dict[int, tuple[Basis, GlossAnswer]] = field(default_factory=dict)
     model_id: str = ""
+    last: tuple[tuple[str, EstimationSettings, Header, bytes], MaterialMap] | None = None
 
     def known(self, model_id: str, bases: dict[int, Basis]) -> dict[int, GlossAnswer]:
         """Select the answers that rest on nearly the same as then.

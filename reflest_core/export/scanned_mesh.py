@@ -24,6 +24,8 @@ SMALLEST_PIECE = 40.0
 """A loose piece of less area than so many squared voxels is noise."""
 POISSON_VOXELS = 1.5
 """Cells of the Poisson reconstruction are about so many voxels wide."""
+FARTHEST_CLOSED = 0.3
+"""Share of the scan's size by which a closed surface may pass it."""
 
 
 @dataclass(frozen=True)
@@ -100,6 +102,7 @@ def surface_mesh(scan: Scan, is_watertight: bool = False) -> TriangleMesh:
     voxel_size = scan.fusion.voxel_size
     if is_watertight:
         mesh = _poisson(observed, scan.store.rows.normals[: scan.store.count], voxel_size)
+        check_closed(mesh, observed)
     else:
         mesh = _without_loose_pieces(
             _near(_marching_cubes(scan), observed, OBSERVED_WITHIN * voxel_size), voxel_size
@@ -199,6 +202,27 @@ def _poisson(
     return TriangleMesh(
         np.asarray(mesh.vertices).astype(np.float32), np.asarray(mesh.triangles).astype(np.int32)
     )
+
+
+def check_closed(mesh: TriangleMesh, observed: NDArray[np.float32]) -> None:
+    """Refuse a surface that was not closed, or closed by a bubble far beyond what was scanned.
+
+    Args:
+        mesh: what should be closed.
+        observed: (V, 3) voxels, metres.
+
+    Raises:
+        ExportError: It is open, or much larger than the scan.
+    """
+    edges = np.sort(np.concatenate([mesh.faces[:, [n, (n + 1) % 3]] for n in range(3)]), axis=1)
+    _, uses = np.unique(edges, axis=0, return_counts=True)
+    size = float(np.ptp(observed, axis=0).max())
+    beyond = float(np.ptp(mesh.vertices, axis=0).max()) - size
+    if (uses == 1).any() or beyond > FARTHEST_CLOSED * size:
+        raise ExportError(
+            "the scan is an open surface, such as a table, and cannot be closed: scan one object "
+            "from all sides with a region of interest, or export without --watertight"
+        )
 
 
 def decimated(mesh: TriangleMesh, faces: int) -> TriangleMesh:

@@ -8,6 +8,7 @@ of feature code.
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, field, fields
 
 import numpy as np
@@ -121,3 +122,18 @@ SURFACE_ARRAYS = tuple(
     if one.name not in ("light", "keys", "origin", "voxel_size")
 )
 """Names of the arrays, which files store one by one."""
+
+
+def digest(surface: ObservedSurface) -> bytes:
+    """Return a hash of all that a surface holds.
+
+    Args:
+        surface: the surface, with or without light.
+    """
+    arrays = [getattr(surface, one.name) for one in fields(surface) if one.name != "light"]
+    if surface.light is not None:
+        arrays += [surface.light.radiance, surface.light.coverage, surface.light.clipped]
+    found = hashlib.blake2b(digest_size=16)
+    for array in arrays:
+        found.update(b"" if array is None else np.asarray(array).tobytes())
+    return found.digest()

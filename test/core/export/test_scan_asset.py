@@ -13,6 +13,7 @@ from reflest_core.export.bake import covered_texels
 from reflest_core.export.errors import ExportError
 from reflest_core.export.microfacet_material import MicrofacetMaterial
 from reflest_core.export.scan_asset import AssetSettings, scan_asset
+from reflest_core.export.scanned_mesh import TriangleMesh, check_closed
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.inference.light import SceneLight
@@ -161,6 +162,18 @@ def test_a_watertight_surface_is_closed():
     mesh.merge_vertices(merge_norm=True, merge_tex=True)
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(4 / 3 * np.pi * RADIUS**3, rel=0.05)
+
+
+def test_an_open_surface_cannot_be_closed():
+    edge = np.arange(-0.2, 0.2, 0.005)
+    places = np.stack(np.meshgrid(edge, edge, [0.0]), axis=-1).reshape(-1, 3).astype(np.float32)
+    bubble = trimesh.creation.uv_sphere(0.4)
+    closed = TriangleMesh(bubble.vertices.astype(np.float32), bubble.faces.astype(np.int32))
+    with pytest.raises(ExportError, match="is an open surface, such as a table"):
+        check_closed(closed, places)
+    with pytest.raises(ExportError, match="is an open surface, such as a table"):
+        check_closed(closed.kept(np.arange(len(closed.faces)) > 9), bubble.vertices)
+    check_closed(closed, bubble.vertices)
 
 
 def test_up_is_up_in_the_asset(asset):
