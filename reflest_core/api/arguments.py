@@ -4,21 +4,95 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.capture.pose import FURTHEST, quaternion_of, rigid_matrix
 from reflest_core.errors import ReflestError
+from reflest_core.fusion.settings import RegionSettings
 
 MOST_PIXELS = 1 << 26
 """Pixels of an image at most."""
 LIKELY_MILLIMETRES = 50.0
 """A median depth beyond it, in metres, is more likely in another unit."""
+LAST_SECOND = 2**63 / 1e9
+"""A stamp's nanoseconds are 64-bit integers."""
 
 
 class ArgumentRefused(ReflestError):
     """An argument of the Python API cannot be used; the sentence says why and what to pass."""
+
+
+def checked_number(name: str, value: Any) -> float:
+    """Check a number.
+
+    Args:
+        name: What sentences call it.
+        value: as it was given.
+
+    Raises:
+        ArgumentRefused: It is no number.
+    """
+    try:
+        if not isinstance(value, (str, bytes)):
+            return float(value)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise ArgumentRefused(f"{name} is {_shown(value)}: expected a number")
+
+
+def checked_vector(name: str, value: Any) -> tuple[float, float, float]:
+    """Check three numbers.
+
+    Args:
+        name: What sentences call them.
+        value: as it was given.
+
+    Raises:
+        ArgumentRefused: They are not three numbers.
+    """
+    try:
+        x, y, z = (checked_number(name, number) for number in value)
+    except (TypeError, ValueError, ArgumentRefused):
+        raise ArgumentRefused(f"{name} is {_shown(value)}: expected three numbers") from None
+    return x, y, z
+
+
+def checked_stamp(stamp: Any) -> int:
+    """Check a stamp.
+
+    Args:
+        stamp: seconds.
+
+    Returns:
+        Nanoseconds.
+
+    Raises:
+        ArgumentRefused: It is no time that a stamp can hold.
+    """
+    seconds = checked_number("stamp", stamp)
+    if not abs(seconds) < LAST_SECOND:
+        raise ArgumentRefused(f"stamp is {stamp}: expected seconds")
+    return round(seconds * 1e9)
+
+
+def checked_region(region: Any) -> RegionSettings:
+    """Check a region of interest.
+
+    Args:
+        region: as it was given.
+
+    Raises:
+        ArgumentRefused: It is none.
+    """
+    if not isinstance(region, RegionSettings):
+        raise ArgumentRefused(
+            f"region is {_shown(region)}: pass sphere(centre, radius) or box(centre, size)"
+        )
+    return region
 
 
 def checked_colour(rgb: ArrayLike) -> NDArray[np.uint8]:
@@ -30,7 +104,7 @@ def checked_colour(rgb: ArrayLike) -> NDArray[np.uint8]:
     Raises:
         ArgumentRefused: Another shape or type.
     """
-    image = np.asarray(rgb)
+    image = _array("rgb", rgb)
     if image.ndim != 3 or image.shape[2] != 3 or 0 in image.shape:
         raise ArgumentRefused(f"rgb has shape {image.shape}: expected (height, width, 3)")
     if image.dtype != np.uint8:
@@ -61,7 +135,7 @@ def checked_depth(
         ArgumentRefused: Another shape, no number, an integer image without ``scale``, or values
             that cannot be metres.
     """
-    image = np.asarray(depth)
+    image = _array("depth", depth)
     if image.shape != shape:
         swapped = " (width and height look swapped)" if image.shape == shape[::-1] else ""
         raise ArgumentRefused(
@@ -88,17 +162,27 @@ def checked_depth(
     return metres
 
 
-def checked_intrinsics(matrix: ArrayLike, shape: tuple[int, int]) -> CameraIntrinsics:
+def checked_intrinsics(
+    matrix: ArrayLike | CameraIntrinsics, shape: tuple[int, int]
+) -> CameraIntrinsics:
     """Check a pinhole calibration.
 
     Args:
-        matrix: (3, 3) K, or (4,) fx, fy, cx, cy; pixels, centres at integer coordinates.
+        matrix: (3, 3) K, or (4,) fx, fy, cx, cy; pixels, centres at integer coordinates; or a
+            frame's intrinsics.
         shape: (H, W) of the images that it belongs to.
 
     Raises:
         ArgumentRefused: It is no such matrix, or its principal point lies outside the image.
     """
-    values = np.asarray(matrix, np.float64)
+    if isinstance(matrix, CameraIntrinsics):
+        if (matrix.height, matrix.width) != shape:
+            raise ArgumentRefused(
+                f"K belongs to images of {matrix.width} x {matrix.height} pixels, and rgb has "
+                f"{shape[1]} x {shape[0]}"
+            )
+        return matrix
+    values = _array("K", matrix, np.float64)
     if values.shape == (4,):
         fx, fy, cx, cy = values.tolist()
     elif values.shape == (3, 3):
@@ -133,7 +217,7 @@ def checked_pose(matrix: ArrayLike) -> NDArray[np.float64]:
     Raises:
         ArgumentRefused: It is no rigid motion.
     """
-    pose = np.asarray(matrix, np.float64)
+    pose = _array("T_world_camera", matrix, np.float64)
     if pose.shape != (4, 4):
         raise ArgumentRefused(f"T_world_camera has shape {pose.shape}: expected (4, 4)")
     if not np.isfinite(pose).all():
@@ -154,3 +238,15 @@ def checked_pose(matrix: ArrayLike) -> NDArray[np.float64]:
             "x right, y down"
         )
     return rigid_matrix(pose[:3, 3], quaternion)
+
+
+def _array(name: str, value: Any, dtype: DTypeLike | None = None) -> NDArray[Any]:
+    try:
+        return np.asarray(value, dtype)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentRefused(f"{name} is {_shown(value)}: expected an array of numbers") from None
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:60]}..."

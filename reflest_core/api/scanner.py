@@ -15,8 +15,13 @@ from reflest_core.api.arguments import (
     checked_colour,
     checked_depth,
     checked_intrinsics,
+    checked_number,
     checked_pose,
+    checked_region,
+    checked_stamp,
+    checked_vector,
 )
+from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.capture.frame import Frame
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.material_map import MaterialMap
@@ -39,8 +44,11 @@ def sphere(centre: tuple[float, float, float], radius: float) -> RegionSettings:
     Args:
         centre: world frame, metres.
         radius: metres.
+
+    Raises:
+        ReflestError: They are not such numbers, or out of range.
     """
-    return RegionSettings("sphere", centre, (2.0 * radius,) * 3)
+    return RegionSettings.sphere(checked_vector("centre", centre), checked_number("radius", radius))
 
 
 def box(centre: tuple[float, float, float], size: tuple[float, float, float]) -> RegionSettings:
@@ -49,8 +57,11 @@ def box(centre: tuple[float, float, float], size: tuple[float, float, float]) ->
     Args:
         centre: world frame, metres.
         size: edges along x, y and z, metres.
+
+    Raises:
+        ReflestError: They are not such numbers, or out of range.
     """
-    return RegionSettings("box", centre, size)
+    return RegionSettings("box", checked_vector("centre", centre), checked_vector("size", size))
 
 
 class Scanner:
@@ -86,13 +97,19 @@ class Scanner:
         Raises:
             ReflestError: A value is out of its range, or the weights cannot be read.
         """
-        if depth_scale is not None and not 0.0 < depth_scale < math.inf:
-            raise ArgumentRefused(f"depth_scale is {depth_scale}: expected metres per unit, > 0")
+        if depth_scale is not None:
+            depth_scale = checked_number("depth_scale", depth_scale)
+            if not 0.0 < depth_scale < math.inf:
+                raise ArgumentRefused(f"depth_scale is {depth_scale}: expected metres a unit, > 0")
         base = settings or ReflestSettings()
-        fusion: FusionSettings = replace(base.fusion, voxel_size=voxel_size)
-        estimation: EstimationSettings = replace(base.estimation, up=up, model=model)
+        size = checked_number("voxel_size", voxel_size)
+        fusion: FusionSettings = replace(base.fusion, voxel_size=size)
+        estimation: EstimationSettings = replace(
+            base.estimation, up=checked_vector("up", up), model=model
+        )
+        chosen = base.region if region is None else checked_region(region)
         self._pipeline = Pipeline(
-            replace(base, fusion=fusion, estimation=estimation, region=region or base.region)
+            replace(base, fusion=fusion, estimation=estimation, region=chosen)
         )
         self._depth_scale = depth_scale
         self._next_stamp_ns = 0
@@ -101,7 +118,7 @@ class Scanner:
         self,
         rgb: ArrayLike,
         depth: ArrayLike,
-        K: ArrayLike,
+        K: ArrayLike | CameraIntrinsics,
         T_world_camera: ArrayLike,
         stamp: float | None = None,
     ) -> None:
@@ -111,7 +128,7 @@ class Scanner:
             rgb: (H, W, 3) uint8, 8-bit sRGB.
             depth: (H, W), registered to ``rgb``: Z along the optical axis, metres as floats, or
                 integers in units of ``depth_scale``; 0 or NaN where unknown.
-            K: (3, 3) pinhole calibration in pixels, or fx, fy, cx, cy.
+            K: (3, 3) pinhole calibration in pixels, or fx, fy, cx, cy, or a frame's intrinsics.
             T_world_camera: (4, 4) pose of the camera's optical frame.
             stamp: seconds, later than the frame before; None: 1/30 s after it.
 
@@ -121,9 +138,7 @@ class Scanner:
         """
         colour = checked_colour(rgb)
         shape = (colour.shape[0], colour.shape[1])
-        if stamp is not None and not math.isfinite(stamp):
-            raise ArgumentRefused(f"stamp is {stamp}: expected seconds")
-        stamp_ns = self._next_stamp_ns if stamp is None else round(stamp * 1e9)
+        stamp_ns = self._next_stamp_ns if stamp is None else checked_stamp(stamp)
         self._pipeline.fuse(
             Frame(
                 stamp_ns,

@@ -9,7 +9,12 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reflest_core.cli.scan_options import add_scan_options, check_paths
+from reflest_core.cli.scan_options import (
+    add_scan_options,
+    check_capture_options,
+    check_paths,
+    is_saved,
+)
 
 if TYPE_CHECKING:
     from reflest_core.estimation.pipeline import Pipeline
@@ -21,7 +26,6 @@ with the plugin reflest_ward, which is the estimate exactly; mitsuba-stock: a sc
 plugin. hdr, exr: the light around the object. The surface needs the extra asset:
 pip install 'reflest-ros[asset]'. docs/export.md says how the values are mapped and how near that
 comes."""
-CAPTURE_SUFFIXES = (".mcap", ".db3")
 
 
 def add_parser(subparsers: Any) -> None:
@@ -85,6 +89,7 @@ def run(options: argparse.Namespace) -> int:
         ReflestError: A bad option, an unreadable source, or nothing to export.
     """
     check_paths(options, inputs=("environment",), outputs=("out",))
+    check_capture_options(options)
     from reflest_core.export.environment_file import LIGHT_FORMATS, export_environment
     from reflest_core.export.errors import ExportError
 
@@ -156,7 +161,7 @@ def _scanned(options: argparse.Namespace) -> Pipeline:
     source: Path = options.capture
     settings = replay_settings(options)
     pipeline = Pipeline(settings)
-    if source.is_file() and source.suffix not in CAPTURE_SUFFIXES:
+    if is_saved(source):
         pipeline.load(source)
         return pipeline
     capture = open_capture(

@@ -6,16 +6,21 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import fields, replace
 from pathlib import Path
 
 from reflest_core.capture.formats.topics import TopicChoice
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.cli.roi_pixel import sphere_at_pixel
+from reflest_core.cli.scan_options import is_saved
 from reflest_core.estimation.settings import ReflestSettings, with_values
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.parameter import ParameterError
+
+OF_THE_MACHINE = ("memory_budget_mb", "threads")
+"""Values of fusion that a saved scan takes from the command."""
 
 
 def topic_choice(options: argparse.Namespace) -> TopicChoice:
@@ -52,7 +57,14 @@ def replay_settings(options: argparse.Namespace) -> ReflestSettings:
         "up": options.up,
         "known_light": options.known_light,
     }
-    capture = _with_mask(_with_tf(settings.capture, options.world_frame), options.mask_topic)
+    capture = _with_tf(settings.capture, options.world_frame)
+    if not is_saved(options.capture):
+        capture = _with_mask(capture, options.mask_topic)
+    elif unused := _values_of_scanning(settings):
+        _warn(
+            f"{', '.join(unused)} in {config}: not used, for {options.capture} was scanned before "
+            "and has its own"
+        )
     return replace(
         settings,
         capture=capture,
@@ -64,6 +76,19 @@ def replay_settings(options: argparse.Namespace) -> ReflestSettings:
 
 def _warn(sentence: str) -> None:
     print(f"reflest: warning: {sentence}", file=sys.stderr)
+
+
+def _values_of_scanning(settings: ReflestSettings) -> list[str]:
+    """Name the values unlike the defaults that say how a capture is read and scanned."""
+    usual = ReflestSettings()
+    return [
+        f"{group}.{field.name}"
+        for group in ("capture", "region", "fusion")
+        for field in fields(getattr(usual, group))
+        if field.name not in OF_THE_MACHINE
+        and getattr(getattr(settings, group), field.name)
+        != getattr(getattr(usual, group), field.name)
+    ]
 
 
 def _given(values: dict[str, object]) -> dict[str, object]:
@@ -91,7 +116,8 @@ def _region(options: argparse.Namespace, capture: CaptureSettings) -> RegionSett
         return _box(options.roi_box)
     if options.roi_sphere:
         x, y, z, radius = options.roi_sphere
-        return RegionSettings("sphere", (x, y, z), (2 * radius,) * 3)
+        with _naming("--roi-sphere"):
+            return RegionSettings.sphere((x, y, z), radius)
     return None
 
 
@@ -102,4 +128,16 @@ def _box(corners: Sequence[float]) -> RegionSettings:
         [(low + high) / 2 for low, high in pairs],
         [abs(high - low) for low, high in pairs],
     )
-    return RegionSettings("box", (x, y, z), (width, depth, height))
+    if not min(width, depth, height) > 0.0:
+        raise ParameterError("--roi-box: its two corners must differ in x, y and z")
+    with _naming("--roi-box"):
+        return RegionSettings("box", (x, y, z), (width, depth, height))
+
+
+@contextmanager
+def _naming(option: str) -> Iterator[None]:
+    """Name the option in a sentence on its value."""
+    try:
+        yield
+    except ParameterError as error:
+        raise ParameterError(f"{option}: {error}") from error

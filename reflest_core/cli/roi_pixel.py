@@ -58,7 +58,7 @@ def sphere_at_pixel(
         )
     ray = np.array([(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0, 1.0 / depth])
     x, y, z = (frame.T_world_camera @ (depth * ray))[:3].tolist()
-    return RegionSettings("sphere", (x, y, z), (2.0 * radius,) * 3)
+    return RegionSettings.sphere((x, y, z), radius)
 
 
 def _frame(capture: Capture, number: int) -> Frame:

@@ -12,6 +12,7 @@ from reflest_core.cli.json_file import check_writable
 from reflest_core.cli.parser import check_source
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.models.registry import models
+from reflest_core.parameter import ParameterError
 
 BY_TYPE = "found by its type, then by its name"
 TOPICS = {
@@ -23,6 +24,47 @@ TOPICS = {
     "depth-camera-info": "the depth image's own, where there is one",
 }
 """Streams of a bag, and what is taken for one whose topic is not named."""
+CAPTURE_SUFFIXES = (".mcap", ".db3")
+"""Of captures that are one file."""
+CAPTURE_OPTIONS = (
+    *(f"{stream}-topic" for stream in TOPICS),
+    "world-frame",
+    "roi-box",
+    "roi-sphere",
+    "roi-pixel",
+    "voxel-size",
+    "max-depth",
+    "intrinsics",
+)
+"""Options that say how a capture is scanned, and change nothing in a scan that was saved."""
+
+
+def is_saved(source: Path) -> bool:
+    """Return whether a source is a saved scan or estimate rather than a capture.
+
+    Args:
+        source: What a command was given.
+    """
+    return source.is_file() and source.suffix not in CAPTURE_SUFFIXES
+
+
+def check_capture_options(options: argparse.Namespace) -> None:
+    """Refuse options that would do nothing, because the scan was made before.
+
+    Args:
+        options: All options of a command with :func:`add_scan_options`.
+
+    Raises:
+        ParameterError: The source was saved, and an option of scanning was given; it is named.
+    """
+    if not is_saved(options.capture):
+        return
+    for name in CAPTURE_OPTIONS:
+        if getattr(options, name.replace("-", "_")) is not None:
+            raise ParameterError(
+                f"--{name} only applies to a capture: {options.capture} was scanned before and has "
+                "its own; leave the option out, or give the capture"
+            )
 
 
 def check_paths(

@@ -8,7 +8,12 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reflest_core.cli.scan_options import add_scan_options, check_paths
+from reflest_core.cli.scan_options import (
+    add_scan_options,
+    check_capture_options,
+    check_paths,
+    is_saved,
+)
 
 if TYPE_CHECKING:
     from reflest_core.capture.capture import Capture
@@ -17,7 +22,6 @@ if TYPE_CHECKING:
 
 EPILOG = """Needs the extra viewer: pip install 'reflest-ros[viewer]'. The page is for this machine
 alone unless --host names another address; whoever can open it can scan and export."""
-CAPTURE_SUFFIXES = (".mcap", ".db3")
 
 
 def add_parser(subparsers: Any) -> None:
@@ -66,6 +70,7 @@ def run(options: argparse.Namespace) -> int:
         ReflestError: A bad option, an unreadable capture, a missing extra or a port in use.
     """
     check_paths(options, inputs=("environment",))
+    check_capture_options(options)
     from reflest_core.export.libraries import library
 
     library("viser", "viewer")
@@ -96,7 +101,7 @@ def capture_source(options: argparse.Namespace) -> CaptureSource:
     from reflest_core.viewer.capture_source import CaptureSource
 
     settings, path = replay_settings(options), options.capture
-    if path.is_file() and path.suffix not in CAPTURE_SUFFIXES:
+    if is_saved(path):
         return CaptureSource(path, settings, None)
 
     def open_again(scanner: Pipeline) -> Capture:

@@ -6,7 +6,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from reflest_core.parameter import check_parameters, parameter
+from reflest_core.parameter import ParameterError, check_parameters, parameter
+
+LARGEST_SIZE = 1e4
+"""Metres across a region of interest."""
 
 
 @dataclass(frozen=True)
@@ -117,11 +120,33 @@ class RegionSettings:
         "Edges of the box; a sphere uses the first value as its diameter.",
         unit="m",
         minimum=0.0,
-        maximum=1e4,
+        maximum=LARGEST_SIZE,
     )
 
     def __post_init__(self) -> None:
         check_parameters(self)
+        used = {"none": (), "box": self.size, "sphere": self.size[:1]}[self.shape]
+        if not all(length > 0.0 for length in used):
+            needed = "every edge" if self.shape == "box" else "a diameter (the first value)"
+            shown = ", ".join(f"{length:g}" for length in self.size)
+            raise ParameterError(f"size = [{shown}] m: a {self.shape} needs {needed} above 0")
+
+    @classmethod
+    def sphere(cls, centre: tuple[float, float, float], radius: float) -> RegionSettings:
+        """Return a sphere given by its radius.
+
+        Args:
+            centre: World frame, metres.
+            radius: Metres.
+
+        Raises:
+            ParameterError: The radius or the centre is out of range.
+        """
+        if not 0.0 < radius <= LARGEST_SIZE / 2:
+            raise ParameterError(
+                f"radius = {radius:g} m: it must be above 0 and at most {LARGEST_SIZE / 2:g}"
+            )
+        return cls("sphere", centre, (2.0 * radius,) * 3)
 
 
 @dataclass(frozen=True)

@@ -90,7 +90,7 @@ class CaptureSource:
             ReflestError: The region is out of range, or a saved scan is shown.
         """
         self._check_capture("another region")
-        region = RegionSettings("sphere", centre, (2.0 * radius,) * 3)
+        region = RegionSettings.sphere(centre, radius)
         self._restart(replace(self._settings, region=region))
         return Outcome(f"scanning the sphere of {radius:g} m around the click")
 

@@ -174,6 +174,8 @@ def test_a_bad_region_is_refused_and_the_scan_kept(peer, send):
     for bad, reason in (
         ({**SPHERE, "shape": 9}, "shape = 9 is none of"),
         ({**SPHERE, "size": Vector3(x=-1.0, y=1.0, z=1.0)}, "size"),
+        ({**SPHERE, "size": Vector3()}, "a sphere needs a diameter"),
+        (region_request(SetRegion.Request.SHAPE_BOX, (0.0,) * 3, (0.0,) * 3), "a box needs every"),
         ({**SPHERE, "centre": Point(x=float("nan"))}, "centre"),
     ):
         response = peer.call(SetRegion, "set_region", **bad)

@@ -11,7 +11,9 @@ from reflest_core.api.arguments import (
     checked_depth,
     checked_intrinsics,
     checked_pose,
+    checked_stamp,
 )
+from reflest_core.capture.camera import CameraIntrinsics
 
 SHAPE = (48, 64)
 K = np.array([[60.0, 0.0, 31.5], [0.0, 61.0, 23.5], [0.0, 0.0, 1.0]])
@@ -73,6 +75,9 @@ def test_unknown_depth_becomes_zero_and_units_metres():
         ((1e308, 61.0, 31.5, 23.5), "positive focal lengths"),
         ((np.nan, 61.0, 31.5, 23.5), "positive focal lengths"),
         ((240.0, 240.0, 160.0, 120.0), "belongs to images of this size"),
+        (CameraIntrinsics(320, 240, 240.0, 240.0, 160.0, 120.0), "belongs to images of 320 x 240"),
+        ("K", "K is 'K': expected an array of numbers"),
+        ([[60.0], [1.0, 2.0]], "expected an array of numbers"),
     ],
 )
 def test_a_calibration_that_cannot_be_is_refused(matrix, sentence):
@@ -80,8 +85,10 @@ def test_a_calibration_that_cannot_be_is_refused(matrix, sentence):
         checked_intrinsics(matrix, SHAPE)
 
 
-def test_both_forms_of_a_calibration_are_the_same():
+def test_all_forms_of_a_calibration_are_the_same():
     assert checked_intrinsics(K, SHAPE) == checked_intrinsics((60.0, 61.0, 31.5, 23.5), SHAPE)
+    of_frame = CameraIntrinsics(64, 48, 60.0, 61.0, 31.5, 23.5)
+    assert checked_intrinsics(of_frame, SHAPE) == checked_intrinsics(K, SHAPE)
     np.testing.assert_array_equal(checked_intrinsics(K, SHAPE).matrix, K)
 
 
@@ -96,6 +103,7 @@ def moved(**changes):
     ("pose", "sentence"),
     [
         (np.eye(3), r"expected \(4, 4\)"),
+        (object(), "expected an array of numbers"),
         (moved(at={(0, 3): np.nan}), "NaN"),
         (moved(at={(0, 3): 1e308}), "10,000 km"),
         (moved(at={(3, 0): 0.4}), "transposed"),
@@ -112,3 +120,9 @@ def test_a_rounded_rotation_is_made_exact():
     rounded = moved(at={(0, 0): 1.0 + 5e-5, (0, 1): 3e-5})
     rotation = checked_pose(rounded)[:3, :3]
     np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-12)
+
+
+@pytest.mark.parametrize("stamp", ["a", [1.0], np.nan, 1e300])
+def test_a_stamp_that_is_no_time_is_refused(stamp):
+    with pytest.raises(ArgumentRefused, match=r"stamp is .*expected"):
+        checked_stamp(stamp)

@@ -85,5 +85,25 @@ def test_a_region_is_given_by_its_radius_or_its_edges():
     assert box((0.0, 0.0, 1.0), (0.1, 0.2, 0.3)).size == (0.1, 0.2, 0.3)
     with pytest.raises(ReflestError, match="depth_scale"):
         Scanner(depth_scale=-1.0)
+    assert set(reflest_core.__all__) <= set(dir(reflest_core))
     with pytest.raises(AttributeError, match="no attribute"):
         _ = reflest_core.Scaner
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: sphere((0.0, 0.0), 1.0), r"centre is \(0.0, 0.0\): expected three numbers"),
+        (lambda: sphere((0.0, 0.0, 0.0), 0.0), "radius = 0 m"),
+        (lambda: sphere((0.0, 0.0, 0.0), -1.0), "radius = -1 m"),
+        (lambda: sphere((0.0, 0.0, 0.0), "1"), "radius is '1': expected a number"),
+        (lambda: box((0.0, 0.0, 0.0), (1.0, 0.0, 1.0)), "size = .*every edge above 0"),
+        (lambda: box((0.0, 0.0, 0.0), 1.0), "size is 1.0: expected three numbers"),
+        (lambda: Scanner(region=[0, 0, 0, 1]), r"region is \[0, 0, 0, 1\]: pass sphere"),
+        (lambda: Scanner(voxel_size="5mm"), "voxel_size is '5mm'"),
+        (lambda: Scanner(up="z"), "up is 'z'"),
+    ],
+)
+def test_an_argument_of_another_kind_is_one_sentence(make, sentence):
+    with pytest.raises(ReflestError, match=sentence):
+        make()
