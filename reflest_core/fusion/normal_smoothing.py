@@ -76,6 +76,8 @@ def smoothed_normals(
             sum_x += weights[m] * normals[other, 0]
             sum_y += weights[m] * normals[other, 1]
             sum_z += weights[m] * normals[other, 2]
+        if sum_x == 0.0 and sum_y == 0.0 and sum_z == 0.0:  # opposite normals cancel
+            sum_x, sum_y, sum_z = float(normal_x), float(normal_y), float(normal_z)
         scale = 1.0 / math.sqrt(sum_x * sum_x + sum_y * sum_y + sum_z * sum_z)
         smoothed[n, 0], smoothed[n, 1] = sum_x * scale, sum_y * scale
         smoothed[n, 2] = sum_z * scale

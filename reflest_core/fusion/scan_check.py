@@ -22,7 +22,9 @@ from reflest_core.surface.voxel_key import COORDINATE_BITS, VOXEL_LIMIT
 
 Arrays = Mapping[str, NDArray[Any]]
 
-MOST_FRAMES = 2**31 - 1
+MOST_FRAMES = 2**30
+"""Half of what the kernels count to, so that a scan can go on for a year."""
+MOST_ORDER = 2**62
 LONGEST_NAME = 1024
 """Characters of a frame's name."""
 GREATEST_GAIN = 2.0**20
@@ -32,9 +34,10 @@ FARTHEST_PLACE = 1e7
 """Metres."""
 GREATEST_TSDF = 16.0
 """Distances are cut off in front of the surface, and only about behind it."""
-GREATEST_NORMAL = 1.001
 GREATEST_COLOUR = 255.01
-"""Limits, with room for rounding."""
+"""With room for rounding."""
+UNIT_TOLERANCE = 1e-3
+"""By which the length of a normal may differ from 1."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -119,7 +122,7 @@ def check_arrays(arrays: Arrays, fusion: FusionSettings, frame_number: int) -> N
     try:
         _check_volume(arrays, frame_number)
         _check_voxels(arrays, fusion.voxel_size, frame_number)
-        _check_views(arrays)
+        _check_views(arrays, VOXEL_LIMIT * fusion.voxel_size)
         _check_light(arrays)
     except KeyError as error:
         raise ValueError(f"array {error} is missing") from None
@@ -133,7 +136,9 @@ def _check_volume(arrays: Arrays, frame_number: int) -> None:
 
 def _check_voxels(arrays: Arrays, voxel_size: float, frame_number: int) -> None:
     _within("store_last_seen", arrays, 0, frame_number)
-    _within("store_normals", arrays, -GREATEST_NORMAL, GREATEST_NORMAL)
+    lengths = np.linalg.norm(arrays["store_normals"].astype(np.float64), axis=-1)
+    if not np.all(np.abs(lengths - 1.0) <= UNIT_TOLERANCE):
+        raise ValueError("store_normals holds a vector that is not of unit length")
     positions = arrays["store_positions"]
     cells = _coordinates(arrays["store_keys"], "store_keys")
     if positions.shape != cells.shape:
@@ -145,13 +150,16 @@ def _check_voxels(arrays: Arrays, voxel_size: float, frame_number: int) -> None:
         raise ValueError("store_counts does not fit store_keys")
 
 
-def _check_views(arrays: Arrays) -> None:
+def _check_views(arrays: Arrays, reach: float) -> None:
+    """Cameras lie no farther than ``reach``, metres, from the scan's origin along any axis."""
     _within("views_gains", arrays, 1.0 / GREATEST_GAIN, GREATEST_GAIN)
+    _within("views_order", arrays, -1, MOST_ORDER)
+    _within("views_frames", arrays, 0, MOST_FRAMES)
     order = arrays["views_order"]
     stored = order >= 0
     centres = arrays["views_centres"]
-    if centres.shape[:1] != order.shape or not np.isfinite(centres[stored]).all():
-        raise ValueError("views_centres holds a value that is not finite")
+    if centres.shape[:1] != order.shape or not np.all(np.abs(centres[stored]) <= reach):
+        raise ValueError(f"views_centres holds a value outside [{-reach:g}, {reach:g}]")
     held = arrays["chunks_view_ids"]
     if held.size and int(held.max()) >= max(len(order), 1):
         raise ValueError("chunks_view_ids names a view that does not exist")

@@ -204,7 +204,8 @@ class ScanState:
             scan.light.gain = header.exposure_gain
             scan.views.count = counts["views"]
             scan.volume.restore(counts["volume"])
-            scan.store.restore(counts["store"], counts["chunks"], counts["views"])
+            is_view = scan.views.order[: counts["views"]] >= 0
+            scan.store.restore(counts["store"], counts["chunks"], is_view)
             scan.frame_number = header.frame_number
             scan.unchecked_until = header.unchecked_until
             scan.last_stamp_ns = scan._clock_ns = header.last_stamp_ns

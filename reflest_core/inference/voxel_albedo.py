@@ -174,6 +174,9 @@ def mirrored_radiance(
     size, samples = int(math.sqrt(len(light))), half.shape[1]
     dx, dy, dz = camera[0] - position[0], camera[1] - position[1], camera[2] - position[2]
     length = math.sqrt(dx * dx + dy * dy + dz * dz)
+    if length == 0.0:  # a camera on the voxel looks along the normal
+        dx, dy, dz = normal[0], normal[1], normal[2]
+        length = math.sqrt(dx * dx + dy * dy + dz * dz)
     frame = tangent_frame(normal)
     n = (float(normal[0]), float(normal[1]), float(normal[2]))
     mirrored_texels(frame, n, (dx / length, dy / length, dz / length), half, size, weights, texels)

@@ -74,6 +74,8 @@ def _seen_cells(
             dy = centre[1] - positions[voxel, 1]
             dz = centre[2] - positions[voxel, 2]
             length = np.sqrt(dx * dx + dy * dy + dz * dz)
+            if length == 0:
+                continue
             cosine = (dx * normal[0] + dy * normal[1] + dz * normal[2]) / length
             if cosine <= 0:
                 continue

@@ -102,9 +102,26 @@ class ObservedSurface:
             (O, 3) float32 unit vectors from voxel to camera centre.
         """
         voxel_of = np.repeat(np.arange(self.voxel_count), self.observation_counts)
-        towards = self.view_centres[self.view_indices] - self.positions[voxel_of]
-        unit: NDArray[np.float32] = towards / np.linalg.norm(towards, axis=1, keepdims=True)
-        return unit
+        return self.directions_of(slice(None), voxel_of)
+
+    def directions_of(
+        self, rows: NDArray[np.int64] | slice, voxels: NDArray[np.int64]
+    ) -> NDArray[np.float32]:
+        """Return the directions ``omega_o`` of some observations.
+
+        Args:
+            rows: The observations, R of them.
+            voxels: (R,) the voxel of each.
+
+        Returns:
+            (R, 3) unit vectors from voxel to camera centre; the normal where the two coincide.
+        """
+        towards = self.view_centres[self.view_indices[rows]] - self.positions[voxels]
+        lengths = np.linalg.norm(towards, axis=1, keepdims=True)
+        nowhere = np.flatnonzero(lengths == 0.0)
+        if len(nowhere):
+            towards[nowhere], lengths[nowhere] = self.normals[voxels[nowhere]], 1.0
+        return np.asarray(towards / lengths)
 
 
 @compiled

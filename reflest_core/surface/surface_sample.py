@@ -84,7 +84,7 @@ def sampled(surface: ObservedSurface, voxels: NDArray[np.int64]) -> SurfaceSampl
         The sample.
     """
     rows, voxel_of, slot = _chosen(surface, voxels)
-    directions = _towards_cameras(surface, rows, voxels[voxel_of])
+    directions = surface.directions_of(rows, voxels[voxel_of])
     colours = surface.colours[rows]
     return SurfaceSample(
         voxels,
@@ -95,14 +95,6 @@ def sampled(surface: ObservedSurface, voxels: NDArray[np.int64]) -> SurfaceSampl
         srgb.LINEAR[colours],
         colours == 255,
     )
-
-
-def _towards_cameras(
-    surface: ObservedSurface, rows: NDArray[np.int64], voxels: NDArray[np.int64]
-) -> NDArray[np.float32]:
-    """(R, 3) unit, from each of ``voxels`` (R,) to where its observation of ``rows`` was made."""
-    towards = surface.view_centres[surface.view_indices[rows]] - surface.positions[voxels]
-    return np.asarray(towards / np.linalg.norm(towards, axis=1, keepdims=True))
 
 
 def _chosen(

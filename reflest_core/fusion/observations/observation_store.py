@@ -73,13 +73,13 @@ class ObservationStore:
         fields = self.rows._asdict().items()
         return {name: array for name, array in fields if not name.startswith("index_")}
 
-    def restore(self, count: int, chunk_count: int, view_count: int) -> None:
+    def restore(self, count: int, chunk_count: int, is_view: NDArray[np.bool_]) -> None:
         """Take the first rows of :attr:`arrays` and of the pool's, just filled, for the store.
 
         Args:
             count: Rows that were filled.
             chunk_count: Chunks that were filled.
-            view_count: Views that observations may be of.
+            is_view: (W,) whether observations may be of a view.
 
         Raises:
             ValueError: The rows contradict themselves.
@@ -95,7 +95,7 @@ class ObservationStore:
         self.count = count
         self._index.fill(rows.keys[:count])
         _, view_ids = self.observations(np.arange(count))
-        if np.any(view_ids >= view_count):
+        if np.any(view_ids >= len(is_view)) or not is_view[view_ids].all():
             raise ValueError("observations of no view")
 
     @property

@@ -98,9 +98,7 @@ class _Observations:
         rows = np.repeat(starts, counts) + np.arange(counts.sum())
         rows = rows[rated.is_usable[rows]]
         usable = rated.counts[voxels]
-        towards = surface.view_centres[surface.view_indices[rows]]
-        towards = towards - np.repeat(surface.positions[voxels], usable, axis=0)
-        directions = towards / np.linalg.norm(towards, axis=1, keepdims=True)
+        directions = surface.directions_of(rows, np.repeat(voxels, usable))
         offsets = np.concatenate([[0], np.cumsum(usable)])
         return _Observations(voxels, offsets, directions, surface.colours[rows])
 

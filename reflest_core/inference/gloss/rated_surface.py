@@ -154,7 +154,7 @@ def _rate(
             )
             length = math.sqrt(dx * dx + dy * dy + dz * dz)
             cosine = (dx * nx + dy * ny + dz * nz) / length
-            if not cosine > STEEPEST:
+            if not (length > 0.0 and cosine > STEEPEST):
                 continue
             mx = 2.0 * cosine * nx - dx / length
             my = 2.0 * cosine * ny - dy / length

@@ -100,7 +100,7 @@ def _above_darkest(
             dx, dy, dz = cx - px, cy - py, cz - pz
             length = math.sqrt(dx * dx + dy * dy + dz * dz)
             cosine = (dx * nx + dy * ny + dz * nz) / length
-            if cosine > STEEPEST:
+            if length > 0.0 and cosine > STEEPEST:
                 mirrored[kept, 0] = 2.0 * cosine * nx - dx / length
                 mirrored[kept, 1] = 2.0 * cosine * ny - dy / length
                 mirrored[kept, 2] = 2.0 * cosine * nz - dz / length

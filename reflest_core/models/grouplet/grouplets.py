@@ -125,6 +125,8 @@ def _draw(
             for axis in range(3):
                 row[3 + axis] = view_centres[view, axis] - positions[voxel, axis]
                 squared += row[3 + axis] * row[3 + axis]
+            if squared == 0.0:  # a camera on the voxel looks along the normal
+                row[3:6], squared = normals[voxel], np.float32(1.0)
             cosine = 0.0
             for axis in range(3):
                 row[axis] = colours[first + slot, axis] / 255.0

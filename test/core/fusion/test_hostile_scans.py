@@ -61,6 +61,7 @@ def of_fusion(stored, **changed):
         {"unchecked_until": 1e300},
         {"unchecked_until": -7},
         {"frame_number": 2**100},
+        {"frame_number": 2**31 - 1},
         {"frame_number": 1.5},
         {"exposure_gain": float("nan")},
         {"exposure_gain": 0.0},
@@ -100,6 +101,12 @@ def test_a_header_that_is_too_deep_is_refused(stored, tmp_path):
     ("name", "value"),
     [
         ("views_centres", np.nan),
+        ("views_centres", 1e30),
+        ("views_centres", -6000.0),
+        ("views_frames", 2**31 - 1),
+        ("views_frames", -1),
+        ("views_order", -2),
+        ("views_order", 2**63 - 1),
         ("views_gains", 0.0),
         ("views_gains", np.inf),
         ("views_foreground", -1.0),
@@ -124,6 +131,21 @@ def test_one_number_that_cannot_be_right_is_refused(stored, tmp_path, name, valu
     array.reshape(-1)[1] = value
     with pytest.raises(DamagedScanError):
         Scan.load(write(tmp_path / "a.scan", stored, **{name: array}))
+
+
+@pytest.mark.parametrize("length", [0.0, 1e-30, 0.99, 1.01])
+def test_a_normal_that_is_not_of_unit_length_is_refused(stored, tmp_path, length):
+    normals = stored["store_normals"].copy()
+    normals[1] *= np.float32(length)
+    with pytest.raises(DamagedScanError, match="unit length"):
+        Scan.load(write(tmp_path / "a.scan", stored, store_normals=normals))
+
+
+def test_observations_of_a_forgotten_view_are_refused(stored, tmp_path):
+    order = stored["views_order"].copy()
+    order[0] = -1
+    with pytest.raises(DamagedScanError, match="no view"):
+        Scan.load(write(tmp_path / "a.scan", stored, views_order=order))
 
 
 def npy(shape, content=b"", descr="'<f8'"):
