@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from reflest_core.cli.output_files import check_overwriting
 from reflest_core.cli.scan_options import (
     add_scan_options,
     check_capture_options,
@@ -91,13 +92,9 @@ def run(options: argparse.Namespace) -> int:
     check_paths(options, inputs=("environment",), outputs=("out",))
     check_capture_options(options)
     from reflest_core.export.environment_file import LIGHT_FORMATS, export_environment
-    from reflest_core.export.errors import ExportError
 
+    _refuse_contradictions(options)
     if options.format in LIGHT_FORMATS:
-        if options.environment is not None:
-            raise ExportError(
-                f"--environment lights a material; {options.format} is the light itself"
-            )
         surface = _scanned(options).snapshot().surface
         export_environment(surface, options.format, options.out)
     else:
@@ -108,11 +105,46 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
+def _refuse_contradictions(options: argparse.Namespace) -> None:
+    """Refuse a wrong suffix, and options that would change nothing in what is written."""
+    from reflest_core.export.environment_file import LIGHT_FORMATS
+    from reflest_core.export.errors import ExportError, check_suffix
+    from reflest_core.export.exporter import check_lit, checked_format
+
+    of_surface = [
+        f"--{name}" for name in ("faces", "texture") if getattr(options, name) is not None
+    ]
+    of_surface += ["--watertight"] if options.watertight else []
+    if options.format in LIGHT_FORMATS:
+        check_suffix(options.out, LIGHT_FORMATS[options.format], options.format)
+        if options.environment is not None:
+            raise ExportError(
+                f"--environment lights a material; {options.format} is the light itself"
+            )
+        if unused := [*of_surface, *(["--sphere"] if options.sphere else [])]:
+            raise ExportError(
+                f"{unused[0]} is for a surface with its materials; {options.format} is the light "
+                "alone: leave it out"
+            )
+        return
+    checked_format(options.out, options.format)
+    if options.sphere:
+        if of_surface:
+            raise ExportError(
+                f"{of_surface[0]} is for the scanned surface: leave it or --sphere out"
+            )
+        if options.environment is not None:
+            check_lit(options.environment, options.out, options.format)
+    elif options.known_light is not None:
+        for suffix in LIGHT_FORMATS.values():
+            light = options.out.with_name(f"{options.out.stem}_environment{suffix}")
+            check_overwriting({"beside --out:": light}, [Path(options.known_light)])
+
+
 def _sphere(options: argparse.Namespace) -> Asset:
     from reflest_core.export.estimate_file import read_estimate
-    from reflest_core.export.exporter import checked_format, export_estimate
+    from reflest_core.export.exporter import export_estimate
 
-    checked_format(options.out, options.format)
     if options.capture.suffix == ".json":
         estimate = read_estimate(options.capture)
     else:
@@ -124,7 +156,7 @@ def _sphere(options: argparse.Namespace) -> Asset:
 def _surface(options: argparse.Namespace) -> Asset:
     from reflest_core.estimation.pipeline import EVERY_VOXEL
     from reflest_core.export.errors import ExportError
-    from reflest_core.export.exporter import check_libraries, checked_format, export_scan
+    from reflest_core.export.exporter import check_libraries, export_scan
     from reflest_core.export.scan_asset import FACES, AssetSettings
 
     if options.environment is not None:
@@ -136,7 +168,6 @@ def _surface(options: argparse.Namespace) -> Asset:
             f"{options.capture} holds an estimate and no surface: add --sphere, or give a saved "
             "scan (reflest replay CAPTURE --save-scan FILE)"
         )
-    checked_format(options.out, options.format)
     settings = AssetSettings(
         FACES if options.faces is None else options.faces,
         options.texture or 0,

@@ -13,7 +13,7 @@ from tqdm import tqdm
 from reflest_core.capture.capture import Capture
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.capture.refusal import CaptureError, FrameRefused
-from reflest_core.cli.json_file import write_json
+from reflest_core.cli.output_files import write_json
 from reflest_core.cli.replay_options import replay_settings, topic_choice
 from reflest_core.cli.replay_report import (
     ReplayResult,
@@ -26,6 +26,7 @@ from reflest_core.cli.replay_report import (
 from reflest_core.estimation.estimator import NoEstimate
 from reflest_core.estimation.pipeline import EVERY_VOXEL, Pipeline
 from reflest_core.export.environment_file import export_environment, light_format
+from reflest_core.export.errors import check_suffix
 from reflest_core.export.material_ply import export_materials
 
 
@@ -43,6 +44,8 @@ def replay(options: argparse.Namespace) -> None:
 
         check_report_libraries()
     light_kind = light_format(options.environment) if options.environment else ""
+    if options.materials is not None:
+        check_suffix(options.materials, ".ply", "ply")
     settings = replay_settings(options)
     pinhole = tuple(options.intrinsics) if options.intrinsics else None
     topics = topic_choice(options)

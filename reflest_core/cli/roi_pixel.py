@@ -37,8 +37,10 @@ def sphere_at_pixel(
         CaptureError: The capture cannot be read.
     """
     number, column, row, radius = options.roi_pixel
-    if number != int(number) or number < 0:
+    if not number.is_integer() or number < 0:
         raise ParameterError(f"--roi-pixel: frame {number:g} is no whole number from 0")
+    if not (math.isfinite(column) and math.isfinite(row)):
+        raise ParameterError(f"--roi-pixel: pixel {column:g} {row:g} is not finite")
     if not 0.0 < radius < math.inf:
         raise ParameterError(f"--roi-pixel: the radius is {radius:g} m: it must be above 0")
     pinhole = tuple(options.intrinsics) if options.intrinsics else None

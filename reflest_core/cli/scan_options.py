@@ -8,7 +8,11 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from reflest_core.cli.json_file import check_writable
+from reflest_core.cli.output_files import (
+    RECORDING_SUFFIXES,
+    check_overwriting,
+    check_writable,
+)
 from reflest_core.cli.parser import check_source
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.models.registry import models
@@ -24,8 +28,6 @@ TOPICS = {
     "depth-camera-info": "the depth image's own, where there is one",
 }
 """Streams of a bag, and what is taken for one whose topic is not named."""
-CAPTURE_SUFFIXES = (".mcap", ".db3")
-"""Of captures that are one file."""
 CAPTURE_OPTIONS = (
     *(f"{stream}-topic" for stream in TOPICS),
     "world-frame",
@@ -45,7 +47,7 @@ def is_saved(source: Path) -> bool:
     Args:
         source: What a command was given.
     """
-    return source.is_file() and source.suffix not in CAPTURE_SUFFIXES
+    return source.is_file() and source.suffix not in RECORDING_SUFFIXES
 
 
 def check_capture_options(options: argparse.Namespace) -> None:
@@ -79,15 +81,22 @@ def check_paths(
 
     Raises:
         SourceMissing: Something to read does not exist; the nearest name beside it is suggested.
-        OutputError: A file cannot be written there.
+        OutputError: A file cannot be written there, or is one of what is read or written besides.
     """
-    check_source(options.capture)
+    sources = [options.capture]
     for name in ("config", "weights", "known_light", *inputs):
         if (given := getattr(options, name)) is not None:
-            check_source(Path(given))
-    for name in outputs:
-        if (given := getattr(options, name)) is not None:
-            check_writable(given)
+            sources.append(Path(given))
+    for source in sources:
+        check_source(source)
+    written = {
+        f"--{name.replace('_', '-')}": path
+        for name in outputs
+        if (path := getattr(options, name)) is not None
+    }
+    for path in written.values():
+        check_writable(path)
+    check_overwriting(written, sources)
 
 
 def add_scan_options(parser: argparse.ArgumentParser) -> None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from reflest_core.cli.output_files import check_overwriting
 from reflest_core.cli.recipe_options import add_recipe_options, changed_recipe
 from reflest_core.models.registry import network_named, networks
 from reflest_core.parameter import ParameterError
@@ -103,6 +104,8 @@ def run(arguments: argparse.Namespace) -> int:
     methods = {name: made[network.training] for name, network in networks().items()}
     wanted = _wanted(arguments)
     for one in wanted:
+        start = [] if arguments.start is None else [arguments.start]
+        check_overwriting({"--out": one.folder / f"{one.name}.safetensors"}, start)
         refuse_options_of_others(methods[one.recipe.network], methods, arguments)
     with joined_processes(arguments.device) as processes:
         for one in wanted:
@@ -117,6 +120,8 @@ def _refuse_contradictions(arguments: argparse.Namespace) -> None:
                 raise ParameterError("--loss and --lambda go with --model: a variant has its own")
     if arguments.all and arguments.start:
         raise ParameterError("--from goes with one variant or --model: --all has two networks")
+    if arguments.pack and arguments.out.resolve() in {one.resolve() for one in arguments.data}:
+        raise ParameterError(f"--pack: --out {arguments.out} is the data itself: name a new folder")
 
 
 def _pack(arguments: argparse.Namespace) -> int:

@@ -120,15 +120,11 @@ def export_estimate(
             ``light`` for a format that has none.
         OutputError: A file cannot be written.
     """
-    chosen = checked_format(path, format_name)
+    checked_format(path, format_name)
     from reflest_core.export.sphere_mesh import swatch
 
     if light is not None:
-        light_format(light)
-        if not chosen.has_light:
-            raise ExportError(f"{format_name} has no environment light: use glb, usd or mitsuba")
-        if not light.is_file():
-            raise ExportError(f"there is no environment file {light}: check the path")
+        check_lit(light, path, format_name)
     asset = swatch(estimate, _beside(path, light) if light else "")
     export_asset(asset, path, format_name)
     return asset
@@ -175,6 +171,24 @@ def checked_format(path: Path, format_name: str = "") -> Format:
         wanted = " or ".join(chosen.suffixes)
         raise ExportError(f"{path} must end in {wanted} for the format {format_name}")
     return chosen
+
+
+def check_lit(light: Path, path: Path, format_name: str = "") -> None:
+    """Find out before a long scan whether a file can hold a scene in this light.
+
+    Args:
+        light: The file of the light.
+        path: The file of the scene.
+        format_name: A key of :data:`FORMATS`; "" takes it from the suffix.
+
+    Raises:
+        ExportError: The format has no light, or the light is no such file.
+    """
+    light_format(light)
+    if not checked_format(path, format_name).has_light:
+        raise ExportError(f"{format_name} has no environment light: use glb, usd or mitsuba")
+    if not light.is_file():
+        raise ExportError(f"there is no environment file {light}: check the path")
 
 
 def check_libraries(format_name: str) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from reflest_core.estimation.material_map import MaterialMap
-from reflest_core.export.errors import ExportError
+from reflest_core.export.errors import check_suffix
 from reflest_core.ply_file import write_ply
 from reflest_core.whole_file import whole_file
 
@@ -47,8 +47,7 @@ def export_materials(materials: MaterialMap, path: Path) -> None:
         ExportError: Another suffix.
         ReflestError: The file cannot be written.
     """
-    if path.suffix.lower() != ".ply":
-        raise ExportError(f"{path} does not end in .ply")
+    check_suffix(path, ".ply", "ply")
     comments = ["reflest materials: metres, linear sRGB, Ward's model"]
     if materials.world_frame_id:
         comments.append(f"frame {materials.world_frame_id}")

@@ -69,3 +69,30 @@ def test_the_light_is_not_lit(tmp_path, capsys):
 def test_a_replay_refuses_a_light_of_no_format_before_it_begins(bag, tmp_path, capsys):
     assert main(["replay", str(bag), "--environment", str(tmp_path / "light.png")]) == 2
     assert "must end in .hdr or .exr" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--format", "hdr", "--out", "x.glb"], "must end in .hdr for the format hdr"),
+        (["--format", "hdr", "--out", "x.hdr", "--faces", "5"], "--faces is for a surface"),
+        (["--format", "exr", "--out", "x.exr", "--texture", "64"], "--texture is for a surface"),
+        (["--format", "hdr", "--out", "x.hdr", "--watertight"], "--watertight is for a surface"),
+        (["--format", "hdr", "--out", "x.hdr", "--sphere"], "--sphere is for a surface"),
+        (["--format", "glb", "--out", "x.glb", "--sphere", "--faces", "9"], "leave it or --sphere"),
+        (["--format", "ply", "--out", "x.ply", "--sphere", "--environment", "room.hdr"], "no env"),
+        (["--format", "glb", "--out", "x.glb", "--faces", "3"], "faces is 3"),
+        (
+            ["--format", "usd", "--out", "room.usda", "--known-light", "room_environment.exr"],
+            "room_environment.exr would overwrite room_environment.exr",
+        ),
+    ],
+)
+def test_options_are_checked_before_the_scan_is_read(
+    tmp_path, monkeypatch, capsys, arguments, sentence
+):
+    monkeypatch.chdir(tmp_path)
+    for name in ("scan", "room.hdr", "room_environment.exr"):
+        (tmp_path / name).write_bytes(b"neither scan nor light")
+    assert main(["export", "scan", *arguments]) == 2
+    assert sentence in capsys.readouterr().err

@@ -251,13 +251,16 @@ def test_a_region_with_nothing_in_it_ends_with_the_reason(replay, bag):
         (["--voxel-size", "5"], "fusion.voxel_size = 5"),
         (["--config", "absent.yaml"], "absent.yaml"),
         (["--save-scan", "no/such/folder/scan.npz"], "no/such/folder"),
+        (["--materials", "cloud.txt"], "cloud.txt must end in .ply"),
         (["--rgb-topic", "/nothing"], "/nothing"),
         (["--intrinsics", "1", "1", "1", "1"], "--intrinsics"),
     ],
 )
 def test_a_bad_option_is_named(weights, bag, capsys, arguments, words):
     code = main(["replay", str(bag), "--weights", str(weights), *arguments])
-    assert words in one_error(code, capsys.readouterr().err)
+    printed = capsys.readouterr()
+    assert words in one_error(code, printed.err)
+    assert printed.out == ""
 
 
 def test_a_model_that_there_is_not_is_refused_with_those_that_there_are(bag, capsys):

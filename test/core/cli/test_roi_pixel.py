@@ -48,6 +48,10 @@ def without_depth():
     [
         (["999", "10", "10", "0.1"], "no frame 999"),
         (["0.5", "10", "10", "0.1"], "frame 0.5"),
+        (["nan", "10", "10", "0.1"], "frame nan is no whole number"),
+        (["inf", "10", "10", "0.1"], "frame inf is no whole number"),
+        (["0", "nan", "10", "0.1"], "pixel nan 10 is not finite"),
+        (["0", "10", "inf", "0.1"], "pixel 10 inf is not finite"),
         (["0", "-1", "10", "0.1"], "pixel -1 10 is not in the image"),
         (["0", "10", "9999", "0.1"], "pixel 10 9999 is not in the image"),
         (["0", "10", "10", "0"], "radius is 0 m"),

@@ -97,7 +97,7 @@ def test_other_readers_open_it(materials, tmp_path):
 
 
 def test_another_suffix_is_refused(materials, tmp_path):
-    with pytest.raises(ExportError, match=r"does not end in \.ply"):
+    with pytest.raises(ExportError, match=r"must end in \.ply"):
         export_materials(materials, tmp_path / "materials.obj")
     assert not list(tmp_path.iterdir())
 
