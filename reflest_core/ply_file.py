@@ -51,7 +51,11 @@ def write_ply(
         elements: By name; the fields of a record are its properties, one of shape (n,) is a list.
         comments: Lines of the header.
     """
-    lines = ["ply", "format binary_little_endian 1.0", *(f"comment {line}" for line in comments)]
+    lines = [
+        "ply",
+        "format binary_little_endian 1.0",
+        *(f"comment {printable(line)}" for line in comments),
+    ]
     contents = []
     for name, records in elements.items():
         lines.append(f"element {name} {len(records)}")
@@ -73,6 +77,18 @@ def write_ply(
     file.write("\n".join([*lines, "end_header", ""]).encode("ascii", "replace"))
     for packed in contents:
         file.write(packed.tobytes())
+
+
+def printable(text: str) -> str:
+    """Replace what would end a line or cannot be printed.
+
+    Args:
+        text: Any.
+
+    Returns:
+        One line, with a question mark for each such character.
+    """
+    return "".join(one if one.isprintable() else "?" for one in text)
 
 
 def read_vertices(path: Path) -> NDArray[np.void]:

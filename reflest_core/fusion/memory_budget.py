@@ -31,6 +31,11 @@ worked out from them, and a snapshot."""
 
 SURFACE_VOXELS_PER_BLOCK = 32
 
+BYTES_PER_MATERIAL_KEY = 16
+"""In a scan's file: a voxel's key and the id of its material."""
+MOST_BESIDE = 1 << 21
+"""Bytes of a scan's file for the header and what the archive adds to its arrays."""
+
 OBSERVATIONS_PER_VOXEL = 24
 """For which there is room on average; some voxels have more and others less."""
 
@@ -87,6 +92,19 @@ class MemoryBudget:
         voxels = blocks * SURFACE_VOXELS_PER_BLOCK
         return cls(blocks, voxels, voxels * chunks, VIEW_CAPACITY, settings.memory_budget_mb)
 
+    def check_size(self, path: Path, size: int) -> None:
+        """Check that a file is no larger than a scan that fits can be.
+
+        Args:
+            path: The scan's file, for the message.
+            size: Of the file, bytes.
+
+        Raises:
+            MemoryBudgetError: It is larger.
+        """
+        if size > self.megabytes * 1e6 + BYTES_PER_MATERIAL_KEY * self.voxels + MOST_BESIDE:
+            raise self._too_small(path)
+
     def check_room(self, path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Check that a saved scan fits.
 
@@ -102,9 +120,13 @@ class MemoryBudget:
             ("store_keys", self.voxels),
             ("chunks_after", self.chunks),
             ("views_order", self.views),
+            ("material_keys", self.voxels),
         ):
-            if len(arrays[name]) > room:
-                raise MemoryBudgetError(
-                    f"the scan in {path} does not fit memory_budget_mb = {self.megabytes:g} MB: "
-                    "raise it, and restart the node if it is a node's"
-                )
+            if name in arrays and len(arrays[name]) > room:
+                raise self._too_small(path)
+
+    def _too_small(self, path: Path) -> MemoryBudgetError:
+        return MemoryBudgetError(
+            f"the scan in {path} does not fit memory_budget_mb = {self.megabytes:g} MB: "
+            "raise it, and restart the node if it is a node's"
+        )

@@ -56,6 +56,7 @@ class Scan(ScanState):
                 nothing has changed.
         """
         sight.check_stamp(frame, self._clock_ns)
+        sight.check_pose(frame)
         if self.frame_number == 0:
             self._set_origin(_origin_near(frame.camera_centre))
         frame = frame.relative_to(self.origin)

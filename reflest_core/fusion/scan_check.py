@@ -16,8 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.capture.pose import FURTHEST
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.parameter import ParameterError
+from reflest_core.ply_file import printable
 from reflest_core.surface.voxel_key import COORDINATE_BITS, VOXEL_LIMIT
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -30,8 +32,6 @@ LONGEST_NAME = 1024
 GREATEST_GAIN = 2.0**20
 FARTHEST_FROM_SAMPLE = 4.0
 """Voxels between a surface point and the sample point of its voxel."""
-FARTHEST_PLACE = 1e7
-"""Metres."""
 GREATEST_TSDF = 16.0
 """Distances are cut off in front of the surface, and only about behind it."""
 GREATEST_COLOUR = 255.01
@@ -108,13 +108,16 @@ def checked_header(header: Mapping[str, Any]) -> ScanHeader:
         raise ValueError(f"its header cannot be used: {error}") from None
 
 
-def check_arrays(arrays: Arrays, fusion: FusionSettings, frame_number: int) -> None:
+def check_arrays(
+    arrays: Arrays, fusion: FusionSettings, frame_number: int, most_voxels: int
+) -> None:
     """Check the numbers of a scan file; types and shapes are checked when they are copied.
 
     Args:
         arrays: Of the newest version.
         fusion: Settings of the scan.
         frame_number: Frames that it took in.
+        most_voxels: For which there is room.
 
     Raises:
         ValueError: A value is missing, not finite or out of range.
@@ -124,6 +127,7 @@ def check_arrays(arrays: Arrays, fusion: FusionSettings, frame_number: int) -> N
         _check_voxels(arrays, fusion.voxel_size, frame_number)
         _check_views(arrays, VOXEL_LIMIT * fusion.voxel_size)
         _check_light(arrays)
+        _check_materials(arrays, most_voxels)
     except KeyError as error:
         raise ValueError(f"array {error} is missing") from None
 
@@ -175,6 +179,14 @@ def _check_light(arrays: Arrays) -> None:
             _within(name, arrays, 0.0, 1e12)
 
 
+def _check_materials(arrays: Arrays, most_voxels: int) -> None:
+    """A file from before there were materials has no array of them."""
+    keys = arrays.get("material_keys", np.zeros(0, np.int64))
+    if len(keys) > most_voxels:
+        raise ValueError("material_keys are more than there is room for voxels")
+    _coordinates(keys, "material_keys")
+
+
 def _within(name: str, arrays: Arrays, least: float, most: float) -> None:
     values = arrays[name]
     if values.dtype.kind not in "fiub" or not np.all((values >= least) & (values <= most)):
@@ -222,7 +234,7 @@ def _vector(value: Any) -> tuple[float, float, float]:
 
 def _place(value: Any) -> tuple[float, float, float]:
     place = _vector(value)
-    if max(map(abs, place)) > FARTHEST_PLACE:
+    if max(map(abs, place)) > FURTHEST:
         raise ValueError(f"{value!r:.40} is too far away")
     return place
 
@@ -236,7 +248,21 @@ def _integer(value: Any, least: int, most: int) -> int:
 def _name(value: Any) -> str:
     if len(_of_type(value, str)) > LONGEST_NAME:
         raise ValueError("a frame's name is too long")
+    if not value.isprintable():
+        raise ValueError("a frame's name holds a control character")
     return str(value)
+
+
+def storable_name(name: str) -> str:
+    """Make a frame's name one that a scan file may hold.
+
+    Args:
+        name: As it came with a frame.
+
+    Returns:
+        The name, cut off where it is too long, with a question mark for what cannot be printed.
+    """
+    return printable(name[:LONGEST_NAME])
 
 
 def _gain(value: Any) -> float:

@@ -10,7 +10,7 @@ import os
 import stat
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -59,11 +59,14 @@ def write_scan(path: Path, header: dict[str, Any], arrays: Mapping[str, NDArray[
         np.savez(file, allow_pickle=False, **{"header": np.array(text), **arrays})
 
 
-def read_scan(path: Path) -> tuple[dict[str, Any], Arrays]:
+def read_scan(
+    path: Path, check_size: Callable[[Path, int], None] | None = None
+) -> tuple[dict[str, Any], Arrays]:
     """Read a scan file of this or an older version.
 
     Args:
         path: The file.
+        check_size: Raises what it likes where a scan of so many bytes is too large to be read.
 
     Returns:
         The header and the arrays by name, as the newest version has them.
@@ -82,6 +85,8 @@ def read_scan(path: Path) -> tuple[dict[str, Any], Arrays]:
     if not is_ours:
         raise ScanFileError(f"{path} is not a scan that reflest saved: check the path")
     try:
+        if check_size is not None:
+            check_size(path, path.stat().st_size)
         header, arrays = _members(path)
         if header["format"] != FORMAT:
             raise ValueError("its format is another")

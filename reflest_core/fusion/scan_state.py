@@ -17,7 +17,7 @@ from reflest_core.fusion.memory_budget import MemoryBudget, MemoryBudgetError
 from reflest_core.fusion.observations.observation_chunks import ChunkPool
 from reflest_core.fusion.observations.observation_store import ObservationStore
 from reflest_core.fusion.observations.views import ViewTable
-from reflest_core.fusion.scan_check import check_arrays, checked_header
+from reflest_core.fusion.scan_check import check_arrays, checked_header, storable_name
 from reflest_core.fusion.scan_file import damaged, read_scan, restore_rows, write_scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.fusion.tsdf.volume import TsdfVolume
@@ -152,8 +152,8 @@ class ScanState:
             "frame_number": self.frame_number,
             "unchecked_until": self.unchecked_until,
             "last_stamp_ns": self.last_stamp_ns,
-            "frame_id": self.frame_id,
-            "world_frame_id": self.world_frame_id,
+            "frame_id": storable_name(self.frame_id),
+            "world_frame_id": storable_name(self.world_frame_id),
             "exposure_gain": self.light.gain,
             "work_sphere": dataclasses.asdict(self.work_sphere),
             "middle": None if self.middle is None else self.middle.tolist(),
@@ -184,7 +184,8 @@ class ScanState:
             MemoryBudgetError: The budget is too small for the scan, or too large for the machine.
         """
         path = Path(path)
-        stored, arrays = read_scan(path)
+        room = None if own is None else MemoryBudget.from_settings(own).check_size
+        stored, arrays = read_scan(path, room)
         try:
             header = checked_header(stored)
             fusion = header.fusion
@@ -192,8 +193,10 @@ class ScanState:
                 fusion = dataclasses.replace(
                     fusion, memory_budget_mb=own.memory_budget_mb, threads=own.threads
                 )
-                MemoryBudget.from_settings(fusion).check_room(path, arrays)
-            check_arrays(arrays, fusion, header.frame_number)
+            budget = MemoryBudget.from_settings(fusion)
+            if own is not None:
+                budget.check_room(path, arrays)
+            check_arrays(arrays, fusion, header.frame_number, budget.voxels)
             scan = cls(fusion, header.region)
             scan._set_origin(np.array(header.origin))
             counts = {

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.surface.material_ids import GivenIds
+from reflest_core.surface.material_ids import FIRST_ID, MOST_IDS, GivenIds
 
 MOST_MATERIALS = 256
 """Of one map; what a message holds."""
@@ -31,6 +31,7 @@ class MaterialIds:
         """Give each material the id of the earlier one that it overlaps most; new ids to the rest.
 
         An id goes to one material at most and, once its material is gone, is not given again.
+        After :data:`.MOST_IDS` all ids begin again at the first one.
 
         Args:
             keys: (V,) voxel keys, each one once, in any order.
@@ -53,6 +54,8 @@ class MaterialIds:
         for material, known in self._matches(keys, labels):
             ids[material] = known
         is_new, next_id = ids < 0, self.given.next_id
+        if next_id + int(is_new.sum()) > MOST_IDS:
+            is_new[:], next_id = True, FIRST_ID
         ids[is_new] = next_id + np.arange(int(is_new.sum()))
         self.given = GivenIds(keys, ids[labels], next_id + int(is_new.sum()))
         return ids

@@ -43,6 +43,13 @@ def test_files_are_those_of_another_writer(tmp_path):
     assert written(elements, comments) == expected.getvalue()
 
 
+def test_a_comment_stays_one_line(tmp_path):
+    path, records = tmp_path / "a.ply", vertices()
+    path.write_bytes(written({"vertex": records}, ["frame a\nend_header\r\x0b\u2028x\0\ud800"]))
+    np.testing.assert_array_equal(read_vertices(path), records)
+    assert plyfile.PlyData.read(path).comments == ["frame a?end_header???x??"]
+
+
 def test_vertices_come_back(tmp_path):
     path, records = tmp_path / "a.ply", vertices()
     path.write_bytes(written({"vertex": records, "face": faces()}, ["a comment"]))

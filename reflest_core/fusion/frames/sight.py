@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
+from reflest_core.capture.pose import FURTHEST
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.fusion.frames.region import Region
 from reflest_core.fusion.settings import FusionSettings
@@ -96,6 +97,38 @@ def _mean_and_variance(positions: NDArray[np.float32]) -> tuple[NDArray[np.float
 
 FURTHEST_LIKELY, NEAREST_LIKELY = 50.0, 0.02
 """Median depths, metres, beyond which the unit is taken to be wrong."""
+
+
+ROTATION_TOLERANCE = 0.05
+"""By which the products of a rotation's columns may differ from those of unit vectors."""
+
+
+def check_pose(frame: Frame) -> None:
+    """Refuse a frame whose pose is none, or farther from the world's origin than scans reach.
+
+    Args:
+        frame: The frame, in the world frame.
+
+    Raises:
+        FrameRefused: ``POSE_INVALID``.
+    """
+    pose = frame.T_world_camera
+    if not np.isfinite(pose).all():
+        raise FrameRefused(
+            RefusalCause.POSE_INVALID,
+            "the pose holds NaN or infinity: check that the tracker has not lost its track",
+        )
+    if np.abs(frame.camera_centre).max() >= FURTHEST:
+        raise FrameRefused(
+            RefusalCause.POSE_INVALID,
+            f"the camera lies {FURTHEST:.0e} m or more from the origin: check the tracker's units",
+        )
+    rotation = pose[:3, :3]
+    if np.abs(rotation.T @ rotation - np.eye(3)).max() > ROTATION_TOLERANCE:
+        raise FrameRefused(
+            RefusalCause.POSE_INVALID,
+            "the pose's rotation is not orthonormal: check the pose's publisher",
+        )
 
 
 def check_reach(frame: Frame, settings: FusionSettings) -> None:

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
+from reflest_core.capture.pose import FURTHEST
 from reflest_core.fusion.frames.region import Region, RegionShape
 from reflest_core.fusion.settings import FusionSettings
 
@@ -61,11 +62,15 @@ class WorkSphere:
         """
         if stored is None:
             return cls()
-        x, y, z = (float(value) for value in stored["centre"])
-        sphere = cls((x, y, z), float(stored["distance"]), int(stored["frames"]))
-        if not (np.isfinite([x, y, z, sphere.distance]).all() and sphere.distance >= 0.0):
-            raise ValueError("the work sphere is not finite")
-        return sphere
+        centre, distance, frames = (stored[name] for name in ("centre", "distance", "frames"))
+        if type(centre) is not list or len(centre) != 3:
+            raise ValueError("the work sphere's centre is not three numbers")
+        if not all(_is_length(value) for value in (*centre, distance)) or distance < 0.0:
+            raise ValueError(f"the work sphere holds a length that is not within {FURTHEST:g} m")
+        if type(frames) is not int or not 0 <= frames <= EARLY_FRAMES:
+            raise ValueError(f"the work sphere is not of 0 to {EARLY_FRAMES} frames")
+        x, y, z = map(float, centre)
+        return cls((x, y, z), float(distance), frames)
 
     def updated(self, frame: Frame, settings: FusionSettings) -> WorkSphere:
         """Take one more early frame into account.
@@ -146,6 +151,10 @@ def without_holes(
     filled = foreground.copy()
     filled[grid] |= is_hole[labels]
     return filled
+
+
+def _is_length(value: Any) -> bool:
+    return type(value) in (int, float) and abs(value) <= FURTHEST
 
 
 def _middle_of(frame: Frame, max_depth: float) -> tuple[NDArray[np.float64], float] | None:

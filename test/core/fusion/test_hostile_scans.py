@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
 import struct
@@ -16,6 +17,7 @@ from reflest_core.fusion.memory_budget import MemoryBudgetError
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.scan_file import DamagedScanError, ScanFileError
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
+from reflest_core.surface.voxel_key import pack_key
 from test.core.fusion.analytic_scene import orbit_frames
 from test.stress import repeats
 
@@ -69,9 +71,20 @@ def of_fusion(stored, **changed):
         {"last_stamp_ns": 2**200},
         {"frame_id": "x" * 5000},
         {"frame_id": 7},
+        {"world_frame_id": "a\nend_header\nxx"},
+        {"frame_id": "\ud800"},
         {"region": {"shape": "sphere", "centre": "abc", "size": "abc"}},
         {"region": {"shape": "sphere", "centre": [1e308, 0, 0], "size": [1, 1, 1]}},
+        {"work_sphere": []},
         {"work_sphere": {"centre": [0, 0], "distance": 1.0, "frames": 1}},
+        {"work_sphere": {"centre": "123", "distance": 1.0, "frames": 1}},
+        {"work_sphere": {"centre": [0, 0, "1"], "distance": 1.0, "frames": 1}},
+        {"work_sphere": {"centre": [1e308, 0, 0], "distance": 1.0, "frames": 1}},
+        {"work_sphere": {"centre": [0, 0, 0], "distance": 1e308, "frames": 1}},
+        {"work_sphere": {"centre": [0, 0, 0], "distance": -1.0, "frames": 1}},
+        {"work_sphere": {"centre": [0, 0, 0], "distance": 1.0, "frames": -1}},
+        {"work_sphere": {"centre": [0, 0, 0], "distance": 1.0, "frames": 11}},
+        {"work_sphere": {"centre": [0, 0, 0], "distance": 1.0, "frames": 1.5}},
         {"fusion": [1]},
     ],
     ids=str,
@@ -208,6 +221,44 @@ def test_a_scan_that_is_larger_than_the_budget_is_refused(stored, tmp_path):
     path = write(tmp_path / "a.scan", stored, volume_keys=np.arange(1, 10**5))
     with pytest.raises(MemoryBudgetError, match="memory_budget_mb = 32 MB"):
         Scan.load(path, SETTINGS)
+
+
+def with_material_keys(count):
+    keys = pack_key(0, 0, 0) + np.arange(count)
+    header = {"next_material_id": 2}
+    return {"header": header, "material_keys": keys, "material_ids": np.ones(count, np.int64)}
+
+
+def test_more_materials_voxels_than_there_is_room_for_are_refused(stored, tmp_path):
+    path = write(tmp_path / "a.scan", stored, **with_material_keys(60_000))
+    assert len(Scan.load(path).material_ids.keys) == 60_000
+    path = write(tmp_path / "a.scan", stored, **with_material_keys(200_000))
+    with pytest.raises(MemoryBudgetError, match="memory_budget_mb = 32 MB"):
+        Scan.load(path, SETTINGS)
+    with pytest.raises(DamagedScanError, match="material_keys"):
+        Scan.load(path)
+
+
+def test_a_file_beyond_the_budget_is_not_even_read(stored, tmp_path, monkeypatch):
+    path = write(tmp_path / "a.scan", stored, **with_material_keys(4_000_000))
+    monkeypatch.setattr(zipfile, "ZipFile", None)
+    with pytest.raises(MemoryBudgetError, match="memory_budget_mb = 32 MB"):
+        Scan.load(path, SETTINGS)
+
+
+@pytest.mark.parametrize("key", [-3, 5, 2**62])
+def test_materials_of_what_is_no_voxel_are_refused(stored, tmp_path, key):
+    changes = with_material_keys(1) | {"material_keys": np.array([key])}
+    with pytest.raises(DamagedScanError, match="material_keys"):
+        Scan.load(write(tmp_path / "a.scan", stored, **changes))
+
+
+def test_a_frame_name_that_cannot_be_printed_is_saved_as_one_that_can(tmp_path):
+    scan = Scan(SETTINGS, REGION)
+    scan.fuse(dataclasses.replace(orbit_frames(1)[0], frame_id="cam\n\ud800", world_frame_id="é"))
+    scan.save(tmp_path / "a.scan")
+    loaded = Scan.load(tmp_path / "a.scan")
+    assert (loaded.frame_id, loaded.world_frame_id) == ("cam??", "é")
 
 
 def test_random_changes_are_refused_or_harmless(stored, tmp_path):

@@ -11,6 +11,7 @@ from reflest_core.fusion.scan_file import ScanFileError
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.light.light_map import SIZE
 from reflest_core.surface.material_ids import GivenIds
+from reflest_core.surface.voxel_key import pack_key
 from reflest_core.whole_file import OutputError
 from test.core.fusion.analytic_scene import orbit_frames
 from test.core.fusion.scan_state import assert_same_arrays, assert_same_surface, state_of
@@ -61,7 +62,7 @@ def test_empty_scan_round_trips(tmp_path):
     assert loaded.fuse(orbit_frames(1)[0]).is_new_view
 
 
-KEYS = np.array([3, 7, 9])
+KEYS = pack_key(0, 0, 0) + np.array([3, 7, 9])
 
 
 def test_material_ids_are_kept(scan, tmp_path):
@@ -83,8 +84,8 @@ def test_a_file_from_before_material_ids_has_none(saved):
     [
         {"material_ids": None},
         {"material_ids": np.array([1, 2])},
-        {"material_keys": np.array([3, 3, 9])},
-        {"material_keys": np.array([3.0, 7.0, 9.0])},
+        {"material_keys": KEYS[[0, 0, 2]]},
+        {"material_keys": KEYS.astype(np.float64)},
         {"material_ids": np.array([1, 2, 6])},
         {"material_ids": np.array([0, 2, 3])},
         {"header": {"next_material_id": 2**40}},

@@ -42,6 +42,24 @@ def in_map_grid_coordinates():
     return dataclasses.replace(frame, T_world_camera=moved)
 
 
+def with_pose(x=0.0, scale=1.0):
+    frame = next_frame()
+    moved = frame.T_world_camera.copy()
+    moved[0, 3] += x
+    moved[:3, :3] *= scale
+    return dataclasses.replace(frame, T_world_camera=moved)
+
+
+NO_POSES = [
+    (with_pose(np.nan), RefusalCause.POSE_INVALID, "NaN"),
+    (with_pose(np.inf), RefusalCause.POSE_INVALID, "NaN or infinity"),
+    (with_pose(2e7), RefusalCause.POSE_INVALID, "from the origin"),
+    (with_pose(1e300), RefusalCause.POSE_INVALID, "from the origin"),
+    (with_pose(scale=0.0), RefusalCause.POSE_INVALID, "orthonormal"),
+    (with_pose(scale=np.nan), RefusalCause.POSE_INVALID, "NaN"),
+]
+
+
 def empty_mask():
     return next_frame(mask=np.zeros((120, 160), bool))
 
@@ -60,6 +78,7 @@ def empty_mask():
         ),
         (next_frame(stamp_ns=99_000_000), RefusalCause.TIME_BACKWARDS, "reset"),
         (next_frame(stamp_ns=5), RefusalCause.TIME_BACKWARDS, "reset"),
+        *NO_POSES,
     ],
 )
 def test_refusal_names_its_cause_and_changes_nothing(frame, cause, words):
@@ -72,6 +91,23 @@ def test_refusal_names_its_cause_and_changes_nothing(frame, cause, words):
     assert refused.value.cause is cause
     assert_same_arrays(before, state_of(scan))
     scan.fuse(next_frame())
+
+
+@pytest.mark.parametrize(("frame", "cause", "words"), NO_POSES)
+def test_a_scan_does_not_begin_without_a_pose(frame, cause, words):
+    scan = Scan(FusionSettings(max_depth=1.0), RegionSettings())
+    with pytest.raises(FrameRefused, match=words) as refused:
+        scan.fuse(frame)
+    assert refused.value.cause is cause
+    assert not scan.origin.any()
+
+
+def test_a_scan_that_begins_as_far_away_as_scans_reach_can_be_loaded(tmp_path):
+    scan = Scan(FusionSettings(max_depth=1.0), RegionSettings())
+    scan.fuse(with_pose(9_999_999.0 - next_frame().camera_centre[0]))
+    scan.save(tmp_path / "far.scan")
+    loaded = Scan.load(tmp_path / "far.scan")
+    assert loaded.voxel_count == scan.voxel_count > 0
 
 
 def test_nothing_inside_max_depth():

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
 from reflest_core.segmentation.identity import MOST_MATERIALS, MaterialIds
-from reflest_core.surface.material_ids import FIRST_ID
+from reflest_core.surface.material_ids import FIRST_ID, MOST_IDS, GivenIds
 
 KEYS = np.arange(100, 200)
 HALVES = np.repeat([0, 1], 50)
@@ -47,6 +47,20 @@ def test_joined_materials_keep_the_id_of_the_larger_and_the_other_never_returns(
     again = ids.match(KEYS, (np.arange(100) >= 30).astype(int))
     assert large in again
     assert small not in again
+
+
+@pytest.mark.parametrize("ids", [np.full(100, MOST_IDS - 1), np.zeros(0, np.int64)])
+def test_ids_begin_again_after_the_last(ids):
+    given_ids = MaterialIds(GivenIds(KEYS[: len(ids)], ids, MOST_IDS))
+    labels = np.arange(100) // 20
+    first = given_ids.match(KEYS, labels)
+    np.testing.assert_array_equal(first, FIRST_ID + np.arange(5))
+    np.testing.assert_array_equal(given_ids.match(KEYS, labels), first)
+
+
+def test_the_last_ids_are_given():
+    ids = MaterialIds(GivenIds(next_id=MOST_IDS - 2)).match(KEYS, HALVES)
+    np.testing.assert_array_equal(ids, [MOST_IDS - 2, MOST_IDS - 1])
 
 
 def test_what_left_the_view_gets_a_new_id_when_it_returns():
