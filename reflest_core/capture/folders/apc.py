@@ -68,7 +68,13 @@ def open_apc(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
         )
     size = image_size(next(iter(colours.values()))) if colours else (0, 0)
     return FrameFolder(
-        folder, frames, camera_info(pinhole, size), ROTATED_SCALE, depth_encoding="rotated"
+        folder,
+        frames,
+        camera_info(pinhole, size),
+        ROTATED_SCALE,
+        "frame-*.depth.png",
+        f"poses of its frames in {INFO}",
+        depth_encoding="rotated",
     )
 
 

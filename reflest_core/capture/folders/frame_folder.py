@@ -62,6 +62,8 @@ class FrameFolder:
         frames: Sequence[FolderFrame],
         camera_info: CameraInfoMessage,
         depth_scale: float,
+        depth_files: str,
+        pose_files: str,
         depth_info: CameraInfoMessage | None = None,
         shares_view: bool = False,
         depth_encoding: str = "plain",
@@ -73,15 +75,26 @@ class FrameFolder:
             frames: In order of time.
             camera_info: Of the colour images.
             depth_scale: Metres in one unit of integer depth.
+            depth_files: What the format calls its depth maps, for a folder that has none.
+            pose_files: What holds the format's poses, for a folder that has none.
             depth_info: Of the depth maps, where they have another size than the colour images.
             shares_view: Depth maps of another size show the very view of the colour images.
             depth_encoding: How integers are stored.
 
         Raises:
-            CaptureError: There is no frame.
+            CaptureError: There is no frame, no depth map or no pose at all.
         """
         if not frames:
             raise CaptureError(f"{folder} holds no frame with a colour image")
+        found = {
+            depth_files: any(frame.depth is not None for frame in frames),
+            pose_files: any(frame.pose is not None for frame in frames),
+        }
+        if missing := [name for name, is_there in found.items() if not is_there]:
+            raise CaptureError(
+                f"{folder} has no {' and no '.join(missing)}: every frame needs a depth map and a "
+                "pose"
+            )
         self.name = str(folder)
         self.topics = {role: f"{folder} ({role.value})" for role in Role}
         self.depth_scale: float | None = depth_scale

@@ -69,7 +69,9 @@ def open_icl_nuim(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
         )
     fx, fy, cx, cy = pinhole
     size = image_size(next(iter(colours.values())))
-    return FrameFolder(folder, frames, camera_info((fx, abs(fy), cx, cy), size), 1 / 5000)
+    info = camera_info((fx, abs(fy), cx, cy), size)
+    poses_at = f"poses of its frames in *{TRAJECTORY}"
+    return FrameFolder(folder, frames, info, 1 / 5000, "depth/*.png", poses_at)
 
 
 def _poses(path: Path) -> dict[int, NDArray[np.float64]]:

@@ -79,7 +79,9 @@ def open_nerfstudio(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
         raise CaptureError(f"{path} cannot be read: {reason}") from error
     if common is None:
         raise CaptureError(f"{path} lists no frames")
-    return FrameFolder(folder, frames, common, 0.001, shares_view=True)
+    return FrameFolder(
+        folder, frames, common, 0.001, "depth_file_path", "transform_matrix", shares_view=True
+    )
 
 
 def _image_path(folder: Path, name: str) -> Path:

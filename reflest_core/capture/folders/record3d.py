@@ -74,7 +74,15 @@ def open_record3d(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
             )
         )
     size = image_size(next(iter(colours.values())))
-    return FrameFolder(folder, frames, camera_info(pinhole, size), 0.001, shares_view=True)
+    return FrameFolder(
+        folder,
+        frames,
+        camera_info(pinhole, size),
+        0.001,
+        "depth/*.exr (or .npy, .png)",
+        f"poses of its frames in {METADATA}",
+        shares_view=True,
+    )
 
 
 def _pose(values: Any) -> np.ndarray:

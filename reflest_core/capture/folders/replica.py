@@ -76,7 +76,8 @@ def open_replica(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
         )
     size = image_size(next(iter(colours.values())))
     scale = 1.0 / float(camera.get("scale", UNITS_A_METRE))
-    return FrameFolder(folder, frames, camera_info(pinhole, size), scale)
+    depths_at, poses_at = f"{IMAGES}/depth*.png", f"poses of its frames in {TRAJECTORY}"
+    return FrameFolder(folder, frames, camera_info(pinhole, size), scale, depths_at, poses_at)
 
 
 def _camera(folder: Path) -> dict[str, float]:

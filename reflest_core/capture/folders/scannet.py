@@ -64,5 +64,12 @@ def open_scannet(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
     if depth_size != size and (place / "intrinsic_depth.txt").is_file():
         depth_info = camera_info(folder_pinhole(place, ("intrinsic_depth.txt",)), depth_size)
     return FrameFolder(
-        folder, frames, camera_info(pinhole, size), 0.001, depth_info, depth_info is None
+        folder,
+        frames,
+        camera_info(pinhole, size),
+        0.001,
+        f"{DEPTH}/*.png of its frames",
+        f"{POSE}/*.txt of its frames",
+        depth_info,
+        depth_info is None,
     )

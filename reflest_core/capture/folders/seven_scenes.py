@@ -83,6 +83,8 @@ def open_seven_scenes(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
         frames,
         camera_info(pinhole, size),
         ROTATED_SCALE if is_rotated else 0.001,
+        "frame-*.depth.png (or .pgm)",
+        "frame-*.pose.txt",
         depth_info,
         depth_encoding="rotated" if is_rotated else "plain",
     )

@@ -90,7 +90,15 @@ def open_stray_scanner(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
                 pose,
             )
         )
-    return FrameFolder(folder, frames, camera_info(pinhole, video.size), 0.001, shares_view=True)
+    return FrameFolder(
+        folder,
+        frames,
+        camera_info(pinhole, video.size),
+        0.001,
+        "depth/*.png",
+        f"poses in {ODOMETRY}",
+        shares_view=True,
+    )
 
 
 def _rows(path: Path) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:

@@ -114,6 +114,11 @@ class TumFolder:
         self.topics[Role.CAMERA_INFO] = f"{folder} (calibration)"
         self.depth_scale: float | None = depth_scale
         self._folder = folder
+        if missing := [name for name in lists.values() if not (folder / name).exists()]:
+            raise CaptureError(
+                f"{folder} has no {' and no '.join(missing)}: the format needs "
+                f"{', '.join(lists.values())}"
+            )
         self._lines = {
             role: _read_list(folder / name, 8 if role is Role.POSE else 2)
             for role, name in lists.items()

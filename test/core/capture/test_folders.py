@@ -84,6 +84,33 @@ def test_a_frame_without_pose_or_depth_is_refused_and_the_rest_stays(scenes):
     assert counts(capture.refusals) == {"depth_missing": 1, "pose_invalid": 1, "encoding": 1}
 
 
+@pytest.mark.parametrize(
+    ("missing", "sentence"),
+    [
+        (["pose.txt"], "seq has no frame-*.pose.txt:"),
+        (["depth.png"], "seq has no frame-*.depth.png (or .pgm):"),
+        (["pose.txt", "depth.png"], "no frame-*.depth.png (or .pgm) and no frame-*.pose.txt:"),
+    ],
+)
+def test_a_folder_without_depth_or_poses_is_refused_when_it_is_opened(scenes, missing, sentence):
+    for ending in missing:
+        for path in scenes.glob(f"*.{ending}"):
+            path.unlink()
+    with pytest.raises(CaptureError, match=re.escape(sentence)):
+        open_capture(scenes)
+
+
+@pytest.mark.parametrize("kind", sorted({*WRITERS} - {"tum", "openloris", "nerfstudio"}))
+def test_depth_maps_that_are_all_gone_are_named(tmp_path, kind):
+    """In formats that find them by their names."""
+    WRITERS[kind](tmp_path / "folder", 2)
+    for path in (tmp_path / "folder").rglob("*"):
+        if path.is_file() and "depth" in f"{path.parent.name}/{path.name}":
+            path.unlink()
+    with pytest.raises(CaptureError, match=r"folder (has|holds) no .*depth"):
+        open_capture(tmp_path / "folder")
+
+
 def test_a_nan_pose_is_refused(scenes):
     np.savetxt(scenes / "frame-000002.pose.txt", np.full((4, 4), np.nan))
     capture = open_capture(scenes)
@@ -138,7 +165,7 @@ def test_a_missing_or_bad_tum_list_is_named(tum, name):
     with pytest.raises(CaptureError, match=f"{name}, line 1"):
         open_capture(tum)
     (tum / name).unlink()
-    with pytest.raises(CaptureError, match=f"{name} cannot be read"):
+    with pytest.raises(CaptureError, match=f"has no {name}: the format needs rgb.txt"):
         open_capture(tum)
 
 
