@@ -21,6 +21,26 @@ class OutputError(ReflestError):
     """A result cannot be written where it was asked for."""
 
 
+def check_writable(path: Path) -> None:
+    """Find out before long work whether a file can be written.
+
+    Args:
+        path: The file.
+
+    Raises:
+        OutputError: Its folder does not exist or is read-only, or it is no regular file.
+    """
+    folder = Path(os.path.realpath(path)).parent
+    if not folder.is_dir():
+        raise OutputError(f"cannot write {path}: the folder {folder} does not exist")
+    if os.path.isdir(path):
+        raise OutputError(f"cannot write {path}: it is a folder; name a file")
+    if not os.access(folder, os.W_OK):
+        raise OutputError(f"cannot write {path}: the folder {folder} is read-only")
+    if os.path.exists(path) and not os.path.isfile(path):
+        raise OutputError(f"cannot write {path}: it is no regular file; name a file")
+
+
 @contextmanager
 def whole_file(path: Path) -> Iterator[BinaryIO]:
     """Open a file that replaces ``path`` when the block ends without an error.

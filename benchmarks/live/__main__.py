@@ -13,8 +13,9 @@ from benchmarks.plan import FULL
 from benchmarks.report.run_sections import live_section, viewer_section
 from benchmarks.run import run_live
 from benchmarks.scene.recording import Recording, recorded
-from reflest_core.cli.json_file import check_writable, write_json
+from reflest_core.cli.output_files import write_json
 from reflest_core.errors import ReflestError
+from reflest_core.whole_file import check_writable
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -22,7 +22,7 @@ from benchmarks.report.stage_sections import (
     open3d_section,
     stages_section,
 )
-from reflest_core.cli.json_file import write_json
+from reflest_core.cli.output_files import write_json
 from reflest_core.errors import ReflestError
 
 BEGIN, END = "<!-- written by make bench -->", "<!-- end of what make bench writes -->"

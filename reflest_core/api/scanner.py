@@ -32,6 +32,7 @@ from reflest_core.export.exporter import checked_format, export_scan
 from reflest_core.export.scan_asset import AssetSettings
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.fusion.snapshot import MATERIAL_VOXELS
+from reflest_core.whole_file import check_writable
 
 FRAME_NS = 33_333_333
 """Nanoseconds between frames without a stamp: 30 Hz."""
@@ -190,6 +191,7 @@ class Scanner:
             ReflestError: An unknown suffix, too little was scanned, or the file cannot be written.
         """
         path = Path(path)
+        check_writable(path)
         if path.suffix in ENVIRONMENT_SUFFIXES:
             surface = self._pipeline.snapshot().surface
             export_environment(surface, ENVIRONMENT_SUFFIXES[path.suffix], path)
@@ -208,6 +210,7 @@ class Scanner:
         Raises:
             ReflestError: The file cannot be written.
         """
+        check_writable(Path(path))
         self._pipeline.save(Path(path))
 
     def load(self, path: Path | str) -> None:

@@ -8,6 +8,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from reflest_core.cli.parser import check_source
 from reflest_core.parameter import ParameterError
 
 ALL_PARTS = (
@@ -124,12 +125,15 @@ def run(arguments: argparse.Namespace) -> int:
         The exit status.
 
     Raises:
+        SourceMissing: DATA does not exist.
         ParameterError: neither DATA and ``--out`` nor ``--quick`` nor ``--compare`` is given.
     """
     if arguments.quick:
         return _run_quick()
     if arguments.compare is not None:
         return _run_compare(*arguments.compare)
+    if arguments.data is not None:
+        check_source(arguments.data)
     if arguments.data is None or arguments.out is None:
         raise ParameterError("reflest evaluate needs DATA and --out, or --quick, or --compare")
     from reflest_core.evaluation.page import write_page

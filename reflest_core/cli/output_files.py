@@ -17,21 +17,6 @@ RECORDING_SUFFIXES = frozenset((".mcap", ".db3"))
 RECORDING_INDEX = "metadata.yaml"
 
 
-def check_writable(path: Path) -> None:
-    """Raise :class:`OutputError` now rather than after a long run.
-
-    Args:
-        path: the file.
-    """
-    folder = Path(os.path.realpath(path)).parent
-    if not folder.is_dir():
-        raise OutputError(f"cannot write {path}: the folder {folder} does not exist")
-    if os.path.isdir(path) or not os.access(folder, os.W_OK):
-        raise OutputError(f"cannot write {path}: it is a folder or its folder is read-only")
-    if os.path.exists(path) and not os.path.isfile(path):
-        raise OutputError(f"cannot write {path}: it is no regular file; name a file")
-
-
 def check_overwriting(outputs: Mapping[str, Path], inputs: Iterable[Path]) -> None:
     """Refuse to write over what is read, over a recording, or twice into one file.
 

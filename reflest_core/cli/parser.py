@@ -95,7 +95,9 @@ def check_source(path: Path) -> None:
         return
     folder = path.parent
     beside = [one.name for one in folder.iterdir()] if folder.is_dir() else []
-    found = _near(path.name, beside)
+    # Alike without their suffixes: red.hdr is not meant by nope.hdr.
+    alike = [name for name in beside if _near(path.stem, [Path(name).stem])]
+    found = _near(path.name, alike)
     hint = f"; did you mean {folder / found[0]}?" if found else ""
     raise SourceMissing(f"{path} does not exist{hint}")
 

@@ -6,7 +6,9 @@ from __future__ import annotations
 
 import argparse
 import sys
+from contextlib import suppress
 from dataclasses import replace
+from pathlib import Path
 
 from tqdm import tqdm
 
@@ -23,11 +25,13 @@ from reflest_core.cli.replay_report import (
     refusals_line,
     replay_record,
 )
+from reflest_core.cli.scan_options import is_saved
 from reflest_core.estimation.estimator import NoEstimate
 from reflest_core.estimation.pipeline import EVERY_VOXEL, Pipeline
 from reflest_core.export.environment_file import export_environment, light_format
 from reflest_core.export.errors import check_suffix
 from reflest_core.export.material_ply import export_materials
+from reflest_core.fusion.scan_file import is_scan_file
 
 
 def replay(options: argparse.Namespace) -> None:
@@ -43,6 +47,7 @@ def replay(options: argparse.Namespace) -> None:
         from reflest_core.cli.html_report import check_report_libraries, write_report
 
         check_report_libraries()
+    _check_no_scan(options.capture)
     light_kind = light_format(options.environment) if options.environment else ""
     if options.materials is not None:
         check_suffix(options.materials, ".ply", "ply")
@@ -66,16 +71,31 @@ def replay(options: argparse.Namespace) -> None:
     _report(capture, result)
     if options.json is not None:
         write_json(options.json, replay_record(capture, settings, result))
+        print(f"wrote {options.json}")
     if options.materials is not None and result.materials is not None:
         export_materials(result.materials, options.materials)
+        print(f"wrote {options.materials}")
     if options.save_scan is not None and result.fused_count:
         pipeline.save(options.save_scan)
+        print(f"wrote {options.save_scan}")
     if options.report is not None:
         write_report(options.report, capture, pipeline, result)
+        print(f"wrote {options.report}")
     if light_kind and result.fused_count:
         export_environment(pipeline.snapshot().surface, light_kind, options.environment)
+        print(f"wrote {options.environment}")
     if result.final is None:
         raise CaptureError(f"{capture.name} gives no estimate: {result.no_final}")
+
+
+def _check_no_scan(path: Path) -> None:
+    """Refuse a saved scan, which has no images to replay, and name what takes it."""
+    with suppress(OSError, ValueError):  # then it is no scan, and opening it says what is wrong
+        if is_saved(path) and is_scan_file(path):
+            raise CaptureError(
+                f"{path} is a saved scan, which has no images to replay: `reflest view {path}` "
+                f"shows it, `reflest export {path}` writes its surface or light"
+            )
 
 
 def _scan(capture: Capture, pipeline: Pipeline, result: ReplayResult) -> None:

@@ -8,15 +8,12 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from reflest_core.cli.output_files import (
-    RECORDING_SUFFIXES,
-    check_overwriting,
-    check_writable,
-)
+from reflest_core.cli.output_files import RECORDING_SUFFIXES, check_overwriting
 from reflest_core.cli.parser import check_source
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.models.registry import models
 from reflest_core.parameter import ParameterError
+from reflest_core.whole_file import check_writable
 
 BY_TYPE = "found by its type, then by its name"
 TOPICS = {

@@ -35,10 +35,17 @@ def read_estimate(path: Path) -> BrdfEstimate:
         raise ExportError(f"{path} is not JSON ({error})") from error
     if not isinstance(record, dict):
         raise ExportError(f"{path} holds no estimate: expected what `reflest replay --json` writes")
-    if record.get("schema_version") not in READABLE_VERSIONS:
+    version = record.get("schema_version")
+    if version is None:
         raise ExportError(
-            f"{path} has schema_version {record.get('schema_version')!r} where this reflest reads "
-            f"{' and '.join(map(str, READABLE_VERSIONS))}: replay the capture again"
+            f"{path} has no schema_version, so it is not what `reflest replay --json` writes: "
+            "check the path"
+        )
+    if version not in READABLE_VERSIONS:
+        *older, newest = map(str, READABLE_VERSIONS)
+        raise ExportError(
+            f"{path} has schema_version {version!r}, and this reflest reads {', '.join(older)} and "
+            f"{newest}: replay the capture again"
         )
     if "final" in record:
         if record["final"] is None:

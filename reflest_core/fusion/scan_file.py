@@ -76,7 +76,7 @@ def read_scan(
         ScanFileError: The file is missing, cannot be read, is no scan or of another version.
     """
     try:
-        is_ours = _is_scan_file(path)
+        is_ours = is_scan_file(path)
     except FileNotFoundError:
         raise ScanFileError(f"there is no scan file {path}: check the path") from None
     except (OSError, ValueError) as error:
@@ -131,8 +131,16 @@ def damaged(path: Path, error: BaseException) -> DamagedScanError:
     return DamagedScanError(f"{path} is a damaged scan file ({str(error)[:200]}): save it again")
 
 
-def _is_scan_file(path: Path) -> bool:
-    """Whether a regular file begins as reflest's scans do; OSError where it cannot be read."""
+def is_scan_file(path: Path) -> bool:
+    """Return whether a file begins as saved scans do.
+
+    Args:
+        path: The file.
+
+    Raises:
+        OSError: It cannot be read.
+        ValueError: It is not a regular file.
+    """
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     with open(descriptor, "rb") as file:
         if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):

@@ -9,6 +9,7 @@ import stat
 from pathlib import Path
 
 from reflest_core.errors import ReflestError
+from reflest_core.whole_file import check_writable
 from reflest_ros.settings import NODE_NAME, FileSettings
 
 
@@ -69,6 +70,7 @@ class FileAccess:
         Raises:
             FileAccessError: Writing is turned off, or the path is not one of a regular file below
                 the root.
+            OutputError: The file's folder does not exist or is read-only.
         """
         if not self._may_write:
             raise FileAccessError("writing is turned off: files.allow_write is false")
@@ -78,12 +80,14 @@ class FileAccess:
                 self.root.mkdir(mode=0o700, parents=True)
             mode = os.lstat(path).st_mode
         except FileNotFoundError:
+            check_writable(path)
             return path
         except OSError as error:
             raise FileAccessError(f"{path} cannot be written: {error.strerror}") from None
         if not stat.S_ISREG(mode):
             kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
             raise FileAccessError(f"{path} is {kind}: name a file")
+        check_writable(path)
         return path
 
     def _below_root(self, text: str) -> Path:

@@ -8,6 +8,7 @@ import os
 
 import pytest
 
+from reflest_core.whole_file import OutputError
 from reflest_ros.services.file_access import FileAccess, FileAccessError
 from reflest_ros.settings import FileSettings
 
@@ -93,3 +94,8 @@ def test_the_default_root_is_the_nodes_own_and_made_at_the_first_write(tmp_path,
 def test_a_root_that_cannot_be_is_one_sentence():
     with pytest.raises(FileAccessError, match=r"files\.root"):
         FileAccess(FileSettings(root="~nosuchuser/x"))
+
+
+def test_a_folder_that_does_not_exist_is_named_before_any_work(files, root):
+    with pytest.raises(OutputError, match=r"the folder .*nosuch does not exist"):
+        files.to_write("nosuch/scan")

@@ -127,7 +127,7 @@ def test_export_writes_the_light_that_was_seen(peer, send, tmp_path, format_name
         ("sphere-hdr", "light.hdr", "sphere-glb"),
         ("sphere-gltf", "material.obj", ".gltf"),
         ("gltf", "", "path is empty"),
-        ("gltf", "no/such/folder/material.gltf", "no/such/folder"),
+        ("gltf", "no/such/folder/material.gltf", "no/such/folder does not exist"),
     ],
 )
 def test_a_bad_export_is_refused_with_the_reason(peer, send, tmp_path, format_name, name, reason):

@@ -70,6 +70,9 @@ def test_a_saved_scan_goes_on_in_another_scanner(scanned, tmp_path):
     other = Scanner(region=REGION)
     other.load(tmp_path / "scan.npz")
     assert other.estimate().rho_d == scanned.estimate().rho_d
+    for write in (scanned.save, scanned.export):
+        with pytest.raises(ReflestError, match=r"the folder .*nosuch does not exist"):
+            write(tmp_path / "nosuch" / "light.hdr")
 
 
 def test_the_suffix_chooses_what_is_exported(scanned, tmp_path):

@@ -45,6 +45,9 @@ def test_a_saved_scan_becomes_an_environment_that_lights_the_material(
     replay += ["--roi-sphere", "0", "0", "0", "0.16"]
     replay += ["--save-scan", str(scan), "--environment", str(light)]
     assert main(replay) == 0
+    assert capsys.readouterr().out.endswith(f"wrote {scan}\nwrote {light}\n")
+    assert main(["replay", str(scan)]) == 2
+    assert f"`reflest view {scan}` shows it" in capsys.readouterr().err
     again = tmp_path / "again.hdr"
     assert main(["export", str(scan), "--format", "hdr", "--out", str(again)]) == 0
     assert again.read_bytes() == light.read_bytes()

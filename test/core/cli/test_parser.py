@@ -85,6 +85,15 @@ def test_a_wrong_path_names_the_nearest_before_anything_slow(command, tmp_path):
     assert "SLOW set()" in done.stdout
 
 
+def test_a_name_that_only_shares_a_suffix_is_not_suggested(tmp_path, capsys):
+    (tmp_path / "red.hdr").touch()
+    for wrong, hint in (("nope.hdr", ""), ("rad.hdr", "; did you mean "), ("red.exr", "; did")):
+        assert main(["replay", str(tmp_path / wrong)]) == 2
+        error = capsys.readouterr().err
+        assert f"{wrong} does not exist{hint}" in error
+        assert ("did you mean" in error) == bool(hint)
+
+
 @pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
 def test_bash_completes_commands_and_options(capsys, tmp_path):
     assert main(["completion", "bash"]) == 0
@@ -135,6 +144,7 @@ def test_a_missing_extra_names_its_pip_command(words, library, extra, tmp_path):
     ("words", "sentence"),
     [
         (["replay", CAPTURE, "--json", "nosuch/a.json"], "cannot write nosuch/a.json"),
+        (["evaluate", "nosuch"], "nosuch does not exist"),
         (["replay", CAPTURE, "--config", "nosuch.yaml"], "nosuch.yaml does not exist"),
         (["replay", CAPTURE, "--weights", "nosuch"], "nosuch does not exist"),
         (["replay", CAPTURE, "--known-light", "nosuch.hdr"], "nosuch.hdr does not exist"),

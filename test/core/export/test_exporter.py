@@ -113,7 +113,8 @@ def test_a_single_estimate_is_read(tmp_path):
     [
         ("{", "is not JSON"),
         ("[]", "holds no estimate"),
-        ("{}", "has schema_version None where this reflest reads 1 and 2 and 3"),
+        ("{}", "has no schema_version, so it is not what `reflest replay"),
+        ('{"schema_version": 9}', "has schema_version 9, and this reflest reads 1, 2 and 3"),
         ('{"schema_version": V, "final": null, "no_estimate": "3 voxels"}', "estimate: 3 voxels"),
         ('{"schema_version": V, "final": {"header": {}}}', "damaged estimate"),
         ('{"schema_version": V, "final": []}', "damaged estimate"),
