@@ -38,6 +38,7 @@ def add_parser(subparsers: Any) -> None:
     from reflest_core.export.environment_file import LIGHT_FORMATS
     from reflest_core.export.exporter import FORMATS
 
+    with_light = ", ".join(name for name, one in FORMATS.items() if one.has_light)
     parser: argparse.ArgumentParser = subparsers.add_parser(
         "export",
         help="write the scanned surface with its materials (glTF, USD, SDF, ...), or its light",
@@ -71,7 +72,7 @@ def add_parser(subparsers: Any) -> None:
         "--environment",
         type=Path,
         metavar="FILE",
-        help="light the sphere with this .hdr or .exr file (usd, mitsuba, mitsuba-stock)",
+        help=f"with --sphere: light it with this .hdr or .exr file ({with_light})",
     )
     add_scan_options(parser)
     parser.set_defaults(run=run)

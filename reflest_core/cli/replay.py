@@ -10,8 +10,10 @@ from typing import Any
 
 from reflest_core.cli.scan_options import add_scan_options, check_paths
 
-EPILOG = """A capture is an .mcap or .db3 file, a rosbag2 directory, a 7-Scenes folder or a TUM
-folder. Topics are found by their types; name them where several would fit."""
+EPILOG = """A capture is an .mcap (MCAP) or .db3 file, a rosbag2 directory, or a folder of TUM
+RGB-D, OpenLORIS, 7-Scenes, 3RScan, ScanNet, ICL-NUIM, Replica, nerfstudio, Stray Scanner, Record3D
+or the Amazon Picking Challenge. Topics are found by their types; name them where several would
+fit."""
 
 
 def add_parser(subparsers: Any) -> None:

@@ -152,10 +152,10 @@ class Asset:
             return ""
         names = ", ".join(f"{one.name} ({one.status})" for one in doubtful[:8])
         more = f" and {len(doubtful) - 8} more" if len(doubtful) > 8 else ""
-        return (
-            f"{len(doubtful)} of {len(self.materials)} materials have a doubtful estimate: "
-            f"{names}{more}"
-        )
+        verb = "has" if len(doubtful) == 1 else "have"
+        total = len(self.materials)
+        subject = "the material" if total == 1 else f"{len(doubtful)} of {total} materials"
+        return f"{subject} {verb} a doubtful estimate: {names}{more}"
 
 
 def _ward(estimate: BrdfEstimate) -> WardParameters:

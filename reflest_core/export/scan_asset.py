@@ -102,9 +102,9 @@ def mesh_asset(
     """
     if not found.materials:
         raise ExportError("the scan has no material with an estimate: scan more of the surface")
+    stem = name if name.endswith("material") else f"{name}_material"
     materials = tuple(
-        AssetMaterial.of(one.estimate, f"{name}_material_{one.id}", one.id)
-        for one in found.materials
+        AssetMaterial.of(one.estimate, f"{stem}_{one.id}", one.id) for one in found.materials
     )
     index_of = {one.id: index for index, one in enumerate(found.materials)}
     voxels = _Voxels(found, index_of)

@@ -14,6 +14,7 @@ import pytest
 
 from reflest_core.cli.main import command_parser, main
 from reflest_core.cli.parser import EXAMPLES, _parsers
+from reflest_core.cli.replay import EPILOG
 from reflest_core.estimation.settings import ReflestSettings
 
 
@@ -50,6 +51,14 @@ def test_defaults_are_those_of_the_settings(capsys):
     assert f"edge of a voxel; default: {settings.fusion.voxel_size}" in text
     assert f"background; default: {settings.fusion.max_depth:g} " in text
     assert "--rgb-topic TOPIC default: found by its type" in text
+
+
+def test_the_help_of_replay_lists_every_format_of_the_documentation():
+    page = (Path(__file__).parents[3] / "docs" / "captures.md").read_text()
+    table = page.partition("| format |")[2].partition("\n\n")[0].splitlines()[2:]
+    formats = [line.split("|")[1].split("(")[0].strip() for line in table]
+    assert len(formats) == 13
+    assert [one for one in formats if one not in " ".join(EPILOG.split())] == []
 
 
 @pytest.mark.parametrize(

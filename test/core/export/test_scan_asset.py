@@ -133,8 +133,16 @@ def test_deviations_travel_as_attributes_and_unknown_ones_are_negative(asset):
 
 def test_a_doubtful_estimate_is_named_in_one_sentence(asset):
     assert asset.warning == (
-        "1 of 2 materials have a doubtful estimate: ball_material_3 (UNCERTAIN_GLOSS)"
+        "1 of 2 materials has a doubtful estimate: ball_material_3 (UNCERTAIN_GLOSS)"
     )
+    (doubtful,) = (one for one in asset.materials if one.status != "OK")
+    alone = dataclasses.replace(asset, materials=(doubtful,))
+    assert alone.warning.startswith("the material has a doubtful estimate: ball_material_3")
+
+
+def test_a_file_called_material_does_not_repeat_the_word():
+    named = scan_asset(*scanned_ball(), "red_material", AssetSettings(faces=500))
+    assert [one.name for one in named.materials] == ["red_material_7", "red_material_3"]
 
 
 def test_the_light_is_the_one_that_the_materials_were_estimated_in():
