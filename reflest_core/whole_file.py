@@ -35,10 +35,10 @@ def check_writable(path: Path) -> None:
         raise OutputError(f"cannot write {path}: the folder {folder} does not exist")
     if os.path.isdir(path):
         raise OutputError(f"cannot write {path}: it is a folder; name a file")
-    if not os.access(folder, os.W_OK):
-        raise OutputError(f"cannot write {path}: the folder {folder} is read-only")
     if os.path.exists(path) and not os.path.isfile(path):
         raise OutputError(f"cannot write {path}: it is no regular file; name a file")
+    if not os.access(folder, os.W_OK):
+        raise OutputError(f"cannot write {path}: the folder {folder} is read-only")
 
 
 @contextmanager
