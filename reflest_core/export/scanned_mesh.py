@@ -196,9 +196,14 @@ def _poisson(
     o3d = open3d()
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(positions.astype(np.float64)))
     cloud.normals = o3d.utility.Vector3dVector(normals.astype(np.float64))
-    mesh, _ = o3d.geometry.TriangleMesh.create_from_point_cloud_poisson(
-        cloud, depth=0, width=POISSON_VOXELS * voxel_size, n_threads=1
-    )
+    try:
+        mesh, _ = o3d.geometry.TriangleMesh.create_from_point_cloud_poisson(
+            cloud, depth=0, width=POISSON_VOXELS * voxel_size, n_threads=1
+        )
+    except RuntimeError as error:  # of Open3D, where too few points span too little
+        raise ExportError(
+            f"{len(positions)} voxels make no surface: scan more of the object"
+        ) from error
     return TriangleMesh(
         np.asarray(mesh.vertices).astype(np.float32), np.asarray(mesh.triangles).astype(np.int32)
     )

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import threading
 import time
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -64,6 +65,7 @@ class LiveSource:
         self._services: dict[str, Any] = {}
         self._lock = threading.Lock()
         self._is_due, self._free_at = False, 0.0
+        self._warning = ""
         node.create_timer(CHECK_S, self._make_due)
         for kind, topic, take in (
             (MaterialMapMessage, "materials", self._take_materials),
@@ -179,7 +181,10 @@ class LiveSource:
         if radiance is None or not radiance.data or not stamp_to_ns(radiance.header.stamp):
             self._light = None
             return
-        self._light = received_light(radiance, self._images.get("coverage"), self.up)
+        try:
+            self._light = received_light(radiance, self._images.get("coverage"), self.up)
+        except ReflestError as error:
+            self._warn(str(error))
 
     def _combine(self) -> None:
         """Show map and cloud once both are of one keyframe; an empty map clears the page."""
@@ -202,11 +207,12 @@ class LiveSource:
         try:
             scan = received_scan(materials, cloud, self._light, self.up)
         except ReflestError as error:
-            self._state = SourceState(progress=str(error))
+            self._warn(str(error))
             return
         finally:
             ended = time.monotonic()
             self._free_at = ended + REST * (ended - began)
+        self._warning = ""
         count = len(materials.materials)
         seconds = stamp_to_ns(materials.header.stamp) / 1e9
         self._state = SourceState(
@@ -216,6 +222,13 @@ class LiveSource:
             f"keyframe at {seconds:.2f} s",
             1.0,
         )
+
+    def _warn(self, sentence: str) -> None:
+        """Say why the last message is not shown, below the picture that was shown before it."""
+        self._state = replace(self._state, progress=sentence)
+        if sentence != self._warning:
+            self._node.get_logger().warning(sentence)
+        self._warning = sentence
 
 
 def _file_name(suffix: str) -> str:
