@@ -62,7 +62,10 @@ class WorkSphere:
         """
         if stored is None:
             return cls()
-        centre, distance, frames = (stored[name] for name in ("centre", "distance", "frames"))
+        names = ("centre", "distance", "frames")
+        if type(stored) is not dict or not all(name in stored for name in names):
+            raise ValueError("the work sphere has no centre, distance or frames")
+        centre, distance, frames = (stored[name] for name in names)
         if type(centre) is not list or len(centre) != 3:
             raise ValueError("the work sphere's centre is not three numbers")
         if not all(_is_length(value) for value in (*centre, distance)) or distance < 0.0:

@@ -75,7 +75,6 @@ def of_fusion(stored, **changed):
         {"frame_id": "\ud800"},
         {"region": {"shape": "sphere", "centre": "abc", "size": "abc"}},
         {"region": {"shape": "sphere", "centre": [1e308, 0, 0], "size": [1, 1, 1]}},
-        {"work_sphere": []},
         {"work_sphere": {"centre": [0, 0], "distance": 1.0, "frames": 1}},
         {"work_sphere": {"centre": "123", "distance": 1.0, "frames": 1}},
         {"work_sphere": {"centre": [0, 0, "1"], "distance": 1.0, "frames": 1}},
@@ -92,6 +91,12 @@ def of_fusion(stored, **changed):
 def test_a_header_that_cannot_be_right_is_refused(stored, tmp_path, header):
     with pytest.raises(DamagedScanError):
         Scan.load(write(tmp_path / "a.scan", stored, header))
+
+
+@pytest.mark.parametrize("stored_sphere", [[], "x", {}, {"centre": [0, 0, 0], "frames": 1}])
+def test_a_work_sphere_that_is_none_is_named(stored, tmp_path, stored_sphere):
+    with pytest.raises(DamagedScanError, match="the work sphere has no centre"):
+        Scan.load(write(tmp_path / "a.scan", stored, {"work_sphere": stored_sphere}))
 
 
 @pytest.mark.parametrize(
