@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
-from reflest_core.capture.refusal import FrameRefused
+from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.environment.known_rooms import read_known_light
 from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 from reflest_core.estimation.estimator import Estimator
@@ -38,6 +38,8 @@ LONGEST_TEXT = 512
 """The message's bound on ``status_text``."""
 EVERY_VOXEL = 1 << 24
 """More voxels than a scan's memory budget holds."""
+MISPLACED = (RefusalCause.POSE_INVALID, RefusalCause.NO_OVERLAP)
+"""Causes for which a frame after a jump of the tracker is refused."""
 
 
 @dataclass(frozen=True)
@@ -138,10 +140,19 @@ class Pipeline:
         Raises:
             FrameRefused: The frame cannot be used; the scan is as it was.
         """
-        fused = self.scan.fuse(frame)
-        after_jump = self.poses.add(frame)
-        if after_jump is not None and self.settings.fusion.on_jump != "keep":
+        try:
+            fused = self.scan.fuse(frame)
+        except FrameRefused as refusal:
+            if refusal.cause not in MISPLACED:
+                raise
+            after_jump = self.poses.add(frame, is_fused=False)
+            if after_jump is None or self.settings.fusion.on_jump == "keep":
+                raise
             fused = self._go_on_after_jump(after_jump, frame)
+        else:
+            after_jump = self.poses.add(frame)
+            if after_jump is not None and self.settings.fusion.on_jump != "keep":
+                fused = self._go_on_after_jump(after_jump, frame)
         self._last_pose = frame.T_world_camera
         if not self.keyframes.is_keyframe(frame.stamp_ns, frame.T_world_camera):
             return ScannedFrame(fused, None)

@@ -76,6 +76,11 @@ class DepthSample:
         valid = COUNTED**2 * np.count_nonzero(self.depth[::COUNTED, ::COUNTED])
         self._rays = _sampled(self.depth, *_strides(valid / SAMPLES), self._pinhole)
 
+    @property
+    def size(self) -> int:
+        """Number of pixels in the sample."""
+        return len(self._rays)
+
     @cached_property
     def T_camera_world(self) -> NDArray[np.float64]:
         """The inverse of :attr:`pose`, (4, 4)."""

@@ -5,17 +5,16 @@
 from __future__ import annotations
 
 import math
-import statistics
 from collections import deque
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
-from reflest_core.fusion.poses.agreement import Agreement, DepthSample
+from reflest_core.fusion.poses.agreement import DepthSample
 from reflest_core.fusion.poses.conventions import Pair, likely_convention
+from reflest_core.fusion.poses.jumps import JumpDetector, motion
 
 LEAST_SHARE = 0.6
 """Below this pairs do not meet. Right poses give .7 to 1, wrong conventions 0 to .7."""
@@ -34,13 +33,6 @@ KEPT_PAIRS = 4
 MOST_SHARES = 256
 RETRY = 1.5
 """Conventions are tried again when there are so many times more pairs."""
-
-STEADY = 0.8
-"""Consecutive frames must have agreed so well for a jump to stand out."""
-JUMP = 0.5
-"""A jump cuts the agreement to less than this share of what it was."""
-STEP_SAMPLES = 300
-"""Samples of a frame that are compared with the frame before it."""
 RAY_PAIRS = 16
 """Pairs that are compared with depth read as a ray's length: it is the same in all of a scan."""
 RAY_COST = 0.7
@@ -88,31 +80,34 @@ class PoseCheck:
         self._shares: deque[float] = deque(maxlen=MOST_SHARES)
         self._costs: list[tuple[float, float]] = []
         self._apart: deque[Pair] = deque(maxlen=KEPT_PAIRS)
-        self._steady: deque[float] = deque(maxlen=9)
         self._out_of_sight = 0
         self._reference: DepthSample | None = None
-        self._previous: DepthSample | None = None
-        self._previous_frame: Frame | None = None
-        self._before_jump: DepthSample | None = None
+        self._detector = JumpDetector()
         self._jumps: list[int] = []
         self._dropped = MIXED
         self._judged: tuple[int, str] = (0, "")
 
-    def add(self, frame: Frame) -> Frame | None:
-        """Take the next fused frame.
+    def add(self, frame: Frame, is_fused: bool = True) -> Frame | None:
+        """Take the next frame.
 
         Args:
-            frame: As it was fused.
+            frame: Later than the one before.
+            is_fused: False where the scan refused the frame for its pose: it may show a jump, and
+                is compared with the frame before alone.
 
         Returns:
             None, or where this frame confirms that the tracker jumped: the first frame after the
             jump, which is the one before ``frame``.
         """
         sample = DepthSample(frame)
-        after_jump = self._judge_step(sample, frame.stamp_ns)
-        self._judge_pair(sample)
-        self._previous, self._previous_frame = sample, frame
-        return after_jump
+        jump = self._detector.add(frame, sample)
+        if jump is not None:
+            self._jumps.append(frame.stamp_ns)
+            self._dropped = MIXED
+            self._reference = jump[1]
+        if is_fused:
+            self._judge_pair(sample)
+        return None if jump is None else jump[0]
 
     def drop_before_jump(self, is_all: bool) -> None:
         """Note what becomes of the surface from before the last jump.
@@ -128,7 +123,8 @@ class PoseCheck:
 
     def restart(self) -> None:
         """Compare the next frame with none before it, as after a jump of the clock."""
-        self._reference = self._previous = self._previous_frame = self._before_jump = None
+        self._reference = None
+        self._detector.restart()
 
     @property
     def agreement(self) -> float:
@@ -156,30 +152,6 @@ class PoseCheck:
             self._problem(middle),
         )
 
-    def _judge_step(self, sample: DepthSample, stamp_ns: int) -> Frame | None:
-        """Tell a jump from one bad frame: after a jump the new frames agree among themselves."""
-        if self._previous is None:
-            return None
-        step = _met(self._previous, sample, STEP_SAMPLES)
-        before, self._before_jump = self._before_jump, None
-        if not step.is_known:
-            return None
-        usual = statistics.median(self._steady) if len(self._steady) >= 3 else 0.0
-        if usual < STEADY or step.share >= JUMP * usual:
-            self._steady.append(step.share)
-            if before is None or step.share < STEADY * usual:
-                return None
-            across = _met(before, sample, STEP_SAMPLES)
-            if not across.is_known or across.share >= JUMP * usual:
-                return None
-            self._jumps.append(stamp_ns)
-            self._dropped = MIXED
-            self._reference = self._previous
-            return self._previous_frame
-        if before is None:
-            self._before_jump = self._previous
-        return None
-
     def _judge_pair(self, sample: DepthSample) -> None:
         """Compare with the reference once the camera has moved, then refer to this frame."""
         reference = self._reference
@@ -187,8 +159,9 @@ class PoseCheck:
             self._reference = sample
             return
         relative = reference.T_camera_world @ sample.pose
-        turn, shift = _motion(relative, reference.median_depth)
-        if self._before_jump is not None or not (turn > TURN or shift > SHIFT):
+        turn, distance = motion(relative)
+        shift = distance / max(reference.median_depth, 1e-6)
+        if self._detector.is_pending or not (turn > TURN or shift > SHIFT):
             return
         self._reference = sample
         if turn > MOST_TURN:
@@ -247,15 +220,3 @@ class PoseCheck:
             f"the tracker jumped {times}, last at {self._jumps[-1] / 1e9:.3f} s (a loop closure or "
             f"a relocalisation?): {self._dropped}"
         )
-
-
-def _met(earlier: DepthSample, later: DepthSample, most: int) -> Agreement:
-    return later.meets(earlier, earlier.T_camera_world @ later.pose, most=most)
-
-
-def _motion(relative: NDArray[np.float64], depth: float) -> tuple[float, float]:
-    """Return the rotation between two frames, radians, and their distance over the depth."""
-    rotation, translation = relative[:3, :3].tolist(), relative[:3, 3].tolist()
-    cosine = (rotation[0][0] + rotation[1][1] + rotation[2][2] - 1.0) / 2.0
-    distance = math.hypot(*translation)
-    return math.acos(min(max(cosine, -1.0), 1.0)), distance / max(depth, 1e-6)

@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial import KDTree
 
 from reflest_core.capture.open_capture import open_capture
+from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.estimation.settings import ReflestSettings
@@ -69,6 +70,46 @@ def test_drop_goes_on_in_the_same_scan_and_latches_the_jump(frames):
     assert estimate.status is EstimateStatus.INCONSISTENT_POSES
     assert "contradict" in estimate.status_text
     assert pipeline.poses.jumps == 1
+
+
+@pytest.fixture(scope="module")
+def localised():
+    """Frames of a tracker that starts at identity, then goes to far coordinates."""
+    far = np.eye(4)
+    far[:3, 3] = (5e5, 4.6e6, 120.0)
+    whole = list(open_capture("captures/glossy-red"))[:12]
+    return whole[:3] + [
+        replace(frame, T_world_camera=far @ frame.T_world_camera) for frame in whole[3:]
+    ]
+
+
+def fused_where_possible(frames, **fusion):
+    """A scan, and the indices of the frames that were refused."""
+    pipeline, refused = Pipeline(ReflestSettings(fusion=FusionSettings(**fusion))), []
+    for index, frame in enumerate(frames):
+        try:
+            pipeline.fuse(frame)
+        except FrameRefused as refusal:
+            assert refusal.cause is RefusalCause.POSE_INVALID
+            refused.append(index)
+    return pipeline, refused
+
+
+def test_a_new_scan_begins_where_the_tracker_localises_far_away(localised):
+    pipeline, refused = fused_where_possible(localised)
+    assert refused == [3]
+    assert_same_arrays(state_of(pipeline.scan), state_of(scanned(localised[3:]).scan))
+    assert np.abs(pipeline.scan.origin - (5e5, 4.6e6, 120.0)).max() < 5.0
+    assert "was dropped" in pipeline.snapshot().poses.problem
+
+
+@pytest.mark.parametrize("policy", ["drop", "keep"])
+def test_a_scan_that_goes_on_out_of_reach_says_that_the_tracker_jumped(localised, policy):
+    pipeline, refused = fused_where_possible(localised, on_jump=policy)
+    assert refused == list(range(3, 12))
+    estimate = pipeline.estimate(pipeline.snapshot())
+    assert estimate.status is EstimateStatus.INCONSISTENT_POSES
+    assert estimate.status_text.startswith("the tracker jumped once")
 
 
 def test_a_reset_forgets_the_jump(frames):
