@@ -25,8 +25,10 @@ STEADY = 0.8
 JUMP = 0.5
 """A jump cuts the agreement to less than this share of what it was."""
 FAST_JUMP = 0.85
-"""The same for a step that is too fast, and for the share of all samples that agree: a plane meets
-itself wherever it is moved, but less of it is in sight of both frames."""
+"""The same for a step that is too fast."""
+FAST_COMMON = 0.65
+"""The same of the share of all samples that are in sight of both frames and agree: a plane meets
+itself wherever it is moved, but less of it is in sight of both."""
 AGREEING = 0.6
 """Agreement of frames after a jump where the usual one is not known."""
 STEP_SAMPLES = 300
@@ -48,8 +50,8 @@ FIRST_SPEED = 100.0
 SHORTEST = 0.03
 """Seconds that a step takes at least: stamps of images without a clock may be made up."""
 
-APART_SHIFT = 0.5
-"""Frames may be known to share nothing where they are apart by this many median depths,"""
+APART_SHIFT = 0.25
+"""Frames may be known to share nothing where they are apart by this share of the median depth,"""
 APART_TURN = math.radians(20.0)
 """or by this angle."""
 ALIKE = 0.35
@@ -168,7 +170,7 @@ class JumpDetector:
             return step.share < JUMP * self._usual
         usual = self._usual or min([STEADY, *self._steady])
         usual_common = statistics.median(self._common) if self._usual else 0.0
-        return step.share < FAST_JUMP * usual or _common(step, later) < FAST_JUMP * usual_common
+        return step.share < FAST_JUMP * usual or _common(step, later) < FAST_COMMON * usual_common
 
     def _is_too_fast(self, earlier: _Placed, later: _Placed) -> bool:
         speed, turn_rate = _speeds(earlier, later)
