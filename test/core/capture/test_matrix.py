@@ -47,9 +47,10 @@ def estimate_of(tmp_path_factory):
         for frame in opened:
             pipeline.fuse(frame)
         assert not opened.refusals.counts
-        found = pipeline.estimate(pipeline.snapshot())
+        snapshot = pipeline.snapshot()
+        found = pipeline.estimate(snapshot)
         numbers = [*found.rho_d, found.rho_s, found.alpha, *found.rho_d_stddev]
-        return numbers, found.voxel_count, found.observation_count
+        return numbers, snapshot.voxel_count, snapshot.observation_count
 
     return estimate
 

@@ -232,7 +232,7 @@ def test_an_impossible_set_is_refused(option, value, tmp_path, capsys):
 
 def test_a_missing_library_is_named(monkeypatch, tmp_path):
     monkeypatch.setattr(generation, "PACKAGES", ("numpy", "no-such-renderer"))
-    with pytest.raises(RendererMissing, match=r"no-such-renderer.*reflest\[synbrdf\]"):
+    with pytest.raises(RendererMissing, match=r"no-such-renderer.*reflest-ros\[synbrdf\]"):
         generate(tmp_path / "set", TINY, process_pool(1))
     assert not (tmp_path / "set").exists()
 
