@@ -52,13 +52,20 @@ class ParameterInfo:
         for number in value if isinstance(value, (list, tuple)) else (value,):
             if isinstance(number, bool) or not isinstance(number, (int, float)):
                 continue
+            unit = f" {self.unit}" if self.unit else ""
+            limits = f"[{_limit(self.minimum, '-inf')}, {_limit(self.maximum, 'inf')}]{unit}"
+            if math.isnan(number):
+                is_bounded = self.minimum is not None or self.maximum is not None
+                wanted = f"a value within {limits}" if is_bounded else "a number"
+                raise ParameterError(f"{name} = nan is not a number: give {wanted}")
             below = self.minimum is not None and number < self.minimum
             above = self.maximum is not None and number > self.maximum
-            if below or above or math.isnan(number):
-                unit = f" {self.unit}" if self.unit else ""
-                raise ParameterError(
-                    f"{name} = {number}{unit} is outside [{self.minimum}, {self.maximum}]{unit}"
-                )
+            if below or above:
+                raise ParameterError(f"{name} = {number}{unit} is outside {limits}")
+
+
+def _limit(value: float | None, without: str) -> str:
+    return without if value is None else str(value)
 
 
 def parameter(default: Any, description: str, **info: Any) -> Any:

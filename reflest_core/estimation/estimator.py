@@ -248,6 +248,11 @@ class Estimator:
                 )
             alone = Partition.of(turned, np.where(ids == found, ids, UNASSIGNED))
             mapped = self._map((surface, turned), alone, light, header, scene.sight)
+        if not mapped.materials:
+            raise NoEstimate(
+                f"material {found}, in the middle of the view, was observed too seldom to find its "
+                "albedo: look at it from more sides"
+            )
         return mapped.materials[0].estimate
 
     def _map(
@@ -275,6 +280,8 @@ class Estimator:
         materials = []
         for material_id, part in partition.parts(turned):
             if int((part.observation_counts > 0).sum()) < self.settings.min_voxels:
+                continue
+            if light is not None and material_id not in light.inferred:
                 continue
             voxels, error = np.flatnonzero(ids == material_id), math.nan
             if light is None or scene is None:
@@ -323,7 +330,7 @@ class Estimator:
             raise NoEstimate(
                 f"{observed} voxels have been observed and estimation.min_voxels is "
                 f"{self.settings.min_voxels}: scan more of the object, or check the region of "
-                "interest and fusion.max_depth"
+                "interest, fusion.max_depth, fusion.voxel_size and the camera's intrinsics"
             )
 
 

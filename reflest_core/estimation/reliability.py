@@ -17,6 +17,8 @@ from reflest_core.surface.colour_problems import NO_PROBLEMS, ColourProblems
 EstimateWarning = tuple[EstimateStatus, str]
 """A status and its sentence."""
 _NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)")
+MOST_DIGITS = 3
+"""After the point, of a share in a sentence."""
 MOST_ERROR = 0.75
 """Photometric error that no estimate may have without a warning."""
 
@@ -73,8 +75,8 @@ def warnings_of(evidence: Evidence, settings: EstimationSettings) -> Iterator[Es
     if evidence.coverage < settings.low_coverage:
         yield (
             EstimateStatus.LOW_COVERAGE,
-            f"{evidence.coverage:.0%} of view directions seen, below {settings.low_coverage:.0%}: "
-            "move around the object",
+            f"{_beside(evidence.coverage, settings.low_coverage)} of view directions seen, below "
+            f"{_percent(settings.low_coverage)}: move around the object",
         )
     for sentence in (evidence.colours.too_dark, evidence.colours.noise):
         if sentence:
@@ -131,15 +133,27 @@ def _range(numbers: tuple[str, ...]) -> str:
 
 def _of_light(light: LightKnowledge, settings: EstimationSettings) -> Iterator[EstimateWarning]:
     if light.seen == 0.0 or light.seen < settings.low_light:
-        share = f"{light.seen:.0%}" if light.seen > 0.0 else "none"
+        share = _beside(light.seen, settings.low_light) if light.seen > 0.0 else "none"
         yield (
             EstimateStatus.LOW_LIGHT,
             f"{share} of the surroundings that light the surface seen, below "
-            f"{settings.low_light:.0%}: look round the room once, up too",
+            f"{_percent(settings.low_light)}: look round the room once, up too",
         )
     if light.clipped > settings.clipped_light:
         yield (
             EstimateStatus.CLIPPED_LIGHT,
-            f"{light.clipped:.0%} of the light is overexposed background, above "
-            f"{settings.clipped_light:.0%}: lower the exposure, or shade lamps and windows",
+            f"{_beside(light.clipped, settings.clipped_light)} of the light is overexposed "
+            f"background, above {_percent(settings.clipped_light)}: lower the exposure, or shade "
+            "lamps and windows",
         )
+
+
+def _percent(limit: float) -> str:
+    return f"{100.0 * limit:.4g}%"
+
+
+def _beside(share: float, limit: float) -> str:
+    """A share in percent, with as many digits as it takes to differ from the limit it passed."""
+    shown = float(_percent(limit)[:-1])
+    texts = [f"{share:.{digits}%}" for digits in range(MOST_DIGITS + 1)]
+    return next((one for one in texts if float(one[:-1]) != shown), texts[-1])

@@ -46,11 +46,20 @@ class JointScene:
     dim: JointLight
     gloss: tuple[GlossFit | None, ...]
 
+    def has_albedo(self, voxels: NDArray[np.int64]) -> bool:
+        """Whether a segment of some voxels had enough observations for an albedo.
+
+        Args:
+            voxels: (N,) indices.
+        """
+        labels = self.labels[voxels]
+        return bool(np.isfinite(self.light.rho_d[labels[labels >= 0], 0]).any())
+
     def of_voxels(self, voxels: NDArray[np.int64]) -> tuple[InferredLight, InferredLight]:
         """The light with the mean albedo of some voxels, under the usual prior and a dim one.
 
         Args:
-            voxels: (N,) indices, of which at least one has a segment with observations.
+            voxels: (N,) indices, of which at least one has a segment with an albedo.
         """
         shares = self._shares(voxels)
         return _of_segments(self.light, shares), _of_segments(self.dim, shares)
@@ -71,7 +80,7 @@ class JointScene:
         """Mean ``rho_s`` of some voxels, and its standard deviation.
 
         Args:
-            voxels: (N,) indices, of which at least one has a segment with observations.
+            voxels: (N,) indices, of which at least one has a segment with an albedo.
         """
         shares = self._shares(voxels)
         deviation = np.nan_to_num(self.light.rho_s_deviation)

@@ -117,10 +117,11 @@ def _infer_jointly(
     filled = joint.light.filled
     evidence, inferred = {}, {}
     for material_id, part in partition.parts(surface):
-        if part.observation_counts.any():
+        voxels = np.flatnonzero(ids == material_id)
+        if joint.has_albedo(voxels):
             if evidence_of is None or material_id in evidence_of:
                 evidence[material_id] = material_evidence(part, filled, joint.occluders)
-            bright, dim = joint.of_voxels(np.flatnonzero(ids == material_id))
+            bright, dim = joint.of_voxels(voxels)
             inferred[material_id] = (bright, bright, dim)
     light = joint.light.light
     return SceneLight(observed, filled, light, joint.occluders, evidence, inferred, joint)

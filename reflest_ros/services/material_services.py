@@ -10,6 +10,7 @@ import numpy as np
 from geometry_msgs.msg import Point
 from numpy.typing import NDArray
 
+from reflest_core.capture.pose import FURTHEST
 from reflest_core.errors import ReflestError
 from reflest_core.fusion.frames.region import RegionShape
 from reflest_core.rendering.material_labels import NOTHING, voxel_near, voxels_in_image
@@ -82,6 +83,11 @@ def _voxel(shown: ShownMaterials, request: MaterialAt.Request) -> int:
         point = np.array([request.point.x, request.point.y, request.point.z])
         if not np.isfinite(point).all():
             raise ReflestError("the point is not finite")
+        if np.abs(point).max() >= FURTHEST:
+            raise ReflestError(
+                f"the point lies {FURTHEST:.0e} m or more from the origin: give metres in the "
+                "world frame"
+            )
         found = voxel_near(positions, point - surface.origin, REACH * voxel_size)
         if found is None:
             raise ReflestError(

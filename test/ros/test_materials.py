@@ -104,6 +104,7 @@ def test_the_material_at_a_point_and_under_a_pixel(shown, peer):
         ({"kind": 0, "point": Point(x=0.05, z=0.12)}, "no scanned surface .* scan more"),
         ({"kind": 1, "u": 2.0, "v": 2.0}, "no scanned surface is under the pixel, which"),
         ({"kind": 0, "point": Point(x=math.nan)}, "not finite"),
+        ({"kind": 0, "point": Point(x=1e308)}, r"the point lies 1e\+07 m or more from the origin"),
         ({"kind": 1, "u": -1.0}, "not in the image"),
         ({"kind": 1, "u": math.inf}, "not in the image"),
         ({"kind": 9}, "KIND_"),

@@ -187,8 +187,9 @@ def refusal_without_surface(
     if not np.any(np.isfinite(frame.depth) & (frame.depth > 0.0)):
         return FrameRefused(
             RefusalCause.DEPTH_EMPTY,
-            f"{frame.depth_source} at {frame.stamp_ns / 1e9:.3f} s has no valid pixel: move the "
-            "camera into its depth range, or check the depth topic's encoding and unit",
+            f"{frame.depth_source} at {frame.stamp_ns / 1e9:.3f} s has no valid pixel (all are 0, "
+            "not finite, or saturated: 65535 in 16 bits): move the camera into its depth range, or "
+            "check the depth topic's encoding and unit",
         )
     within = f"within max_depth = {settings.max_depth:g} m"
     if frame.mask is not None:

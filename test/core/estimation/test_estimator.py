@@ -53,7 +53,7 @@ def test_colours_change_the_estimate():
 
 def test_too_few_voxels_give_the_reason_and_the_knob():
     estimator = Estimator(EstimationSettings(min_voxels=10))
-    with pytest.raises(NoEstimate, match=r"0 voxels.*estimation\.min_voxels is 10"):
+    with pytest.raises(NoEstimate, match=r"0 voxels.*min_voxels is 10.*voxel_size.*intrinsics"):
         estimator.estimate(without_observations(SURFACE), 0, "")
     unseen = dataclasses.replace(
         SURFACE,

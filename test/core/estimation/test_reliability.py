@@ -34,6 +34,10 @@ LONGEST_TEXT = 512
     [
         ({"voxels": 47}, EstimateStatus.FEW_VOXELS, "47 voxels.*48: scan more"),
         ({"coverage": 0.19}, EstimateStatus.LOW_COVERAGE, "19%.*20%: move around"),
+        ({"coverage": 0.1964}, EstimateStatus.LOW_COVERAGE, r"^19\.6% of view.*below 20%: move"),
+        ({"coverage": 0.19996}, EstimateStatus.LOW_COVERAGE, r"^19\.996% of view.*below 20%: move"),
+        ({"light": LightKnowledge(0.298, 0.0)}, EstimateStatus.LOW_LIGHT, r"^29\.8%.*below 30%:"),
+        ({"light": LightKnowledge(0.9, 0.502)}, EstimateStatus.CLIPPED_LIGHT, "^50.2%.*above 50%:"),
         ({"light": LightKnowledge(0.29, 0.0)}, EstimateStatus.LOW_LIGHT, "29%.*30%: look round"),
         ({"light": LightKnowledge(0.0, 0.0)}, EstimateStatus.LOW_LIGHT, "^none.*30%"),
         (

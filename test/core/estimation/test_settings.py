@@ -30,7 +30,11 @@ def test_given_values_replace_defaults(tmp_path):
     ("values", "message"),
     [
         ("fusion: {voxel_size: 5.0}", r"fusion\.voxel_size = 5.0 m is outside \[0.001, 0.1\] m"),
-        ("fusion: {voxel_size: .nan}", r"fusion\.voxel_size = nan"),
+        (
+            "fusion: {voxel_size: .nan}",
+            r"voxel_size = nan is not a number: give a value within \[0.001, 0.1\] m$",
+        ),
+        ("estimation: {up: [0, .nan, 1]}", r"estimation\.up = nan is not a number: give a number$"),
         ("fusion: {voxel_size: small}", r"fusion\.voxel_size = 'small' is not a float"),
         ("fusion: {voxels: 5}", r"fusion\.voxels is no parameter"),
         ("fusion: 5", "fusion must hold names and values"),

@@ -2,11 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """The light of a table with balls, inferred from all of its segments; and their albedos in it."""
 
+import dataclasses
+import warnings
+
 import numpy as np
 import pytest
 
 from reflest_core.inference.joint_light import JointInference, complete_by
 from reflest_core.inference.joint_scene import infer_jointly
+from reflest_core.inference.light import infer_light
 from reflest_core.inference.photometric_error import photometric_error
 from reflest_core.inference.transport.patch_grid import PATCHES
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
@@ -15,6 +19,7 @@ from reflest_core.inference.voxel_albedo import Gloss, voxel_albedo
 from reflest_core.light.completion import complete, levels_below
 from reflest_core.light.cosine_weights import cosine_weights
 from reflest_core.segmentation.statistics import voxel_colours
+from reflest_core.surface.partition import Partition
 from test.core.lit_table import lit_table
 
 VOXEL = 0.01
@@ -110,6 +115,18 @@ def test_a_segment_without_voxels_has_no_albedo_and_changes_nothing(scene, found
     again = inference.infer(gloss)
     assert np.isnan(again.rho_d[2]).all()
     assert scene.error(again.light) < 0.3
+
+
+def test_a_material_of_segments_without_albedo_is_left_out(scene, found):
+    surface, labels = scene.surface, scene.labels
+    empty = int(labels.max()) + 1
+    again = infer_jointly(surface, surface.light, np.append(labels[:-1], empty + 1), None, found)
+    unseen = dataclasses.replace(again, labels=np.where(labels == 0, empty, labels))
+    partition = Partition.of(surface, labels + 1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        light = infer_light(surface, surface.light, partition, joint=unseen, evidence_of=())
+    assert set(light.inferred) == set(partition.ids) - {1}
 
 
 def test_voxels_without_a_segment_are_left_out(scene):
