@@ -112,6 +112,17 @@ def test_a_scan_that_goes_on_out_of_reach_says_that_the_tracker_jumped(localised
     assert estimate.status_text.startswith("the tracker jumped once")
 
 
+@pytest.mark.parametrize("scale", [0.0, np.nan, 1e8], ids=["singular", "NaN", "out of reach"])
+def test_poses_that_are_none_neither_jump_nor_cost_the_scan(localised, scale):
+    frames = localised[:3] + [
+        replace(frame, T_world_camera=frame.T_world_camera * scale) for frame in localised[3:]
+    ]
+    pipeline, refused = fused_where_possible(frames)
+    assert refused == list(range(3, 12))
+    assert_same_arrays(state_of(pipeline.scan), state_of(scanned(frames[:3]).scan))
+    assert pipeline.poses.jumps == 0
+
+
 def test_a_reset_forgets_the_jump(frames):
     pipeline = scanned(frames)
     pipeline.reset()
