@@ -55,7 +55,7 @@ def test_help_starts_without_the_heavy_libraries():
     "arguments",
     [
         ["train", "data", "--model", "hemicnn", "--out", "out"],
-        ["evaluate", "data", "--out", "out"],
+        ["evaluate", ".", "--out", "out"],
     ],
 )
 def test_training_without_pytorch_ends_with_the_extra_that_brings_it(arguments):
