@@ -33,16 +33,15 @@ from reflest_core.inference.joint_scene import infer_jointly
 from reflest_core.inference.transport.irradiance import mean_radiance
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.inference.transport.ward_lobe import ROUGHNESSES, lobe_radiance
-from reflest_core.light.completion import LightPyramid, halved_to, levels_below
+from reflest_core.light.completion import LightPyramid, levels_below
 from reflest_core.light.cosine_weights import cosine_weights
-from reflest_core.light.equirectangular import radiance_from
-from reflest_core.light.light_map import SIZE, ObservedLight
-from reflest_core.light.octahedral import octahedral_directions
+from reflest_core.light.light_map import ObservedLight
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.selection import keep_voxels
 from reflest_core.synbrdf.lights.environments import find_environments, load_environment, rotated
 from reflest_core.synbrdf.scenes.exposure import auto_exposure, expose
 from reflest_core.synbrdf.scenes.measured_materials import draw_measured
+from reflest_core.viewer.lights import octahedral_light
 
 EACH = 192
 """Voxels of a segment that are kept."""
@@ -63,7 +62,7 @@ class Table:
         surface: some voxels of every segment.
         labels: (V,) their segments.
         material_of: (S,) index of each segment's material.
-        coverage: (SIZE, SIZE) 1 where the surroundings were seen.
+        coverage: (N, N) 1 where the surroundings were seen.
         occluders: surfels of the whole scan.
         segment_of_surfel: (D,) the segment of each.
     """
@@ -117,7 +116,7 @@ def scale_errors(table: Table, environment: Array, rng: np.random.Generator) -> 
     Returns:
         (S,) logarithm of each segment's estimated over true luminance of ``rho_d``.
     """
-    light = _octahedral(environment)
+    light = levels_below(octahedral_light(environment))
     drawn = [draw_measured(rng)[0] for _ in range(int(table.material_of.max()) + 1)]
     rho_d = np.array([one.rho_d for one in drawn], np.float32)[table.material_of]
     gloss = np.array([(one.rho_s, one.alpha) for one in drawn])[table.material_of]
@@ -139,14 +138,6 @@ def scale_errors(table: Table, environment: Array, rng: np.random.Generator) -> 
         dataclasses.replace(occluders, colours=sent),
     )
     return np.asarray(np.log(luminance(found.light.rho_d) / luminance(rho_d)))
-
-
-def _octahedral(environment: Array) -> LightPyramid:
-    fine = 4 * SIZE
-    radiance = radiance_from(environment, octahedral_directions(fine).reshape(-1, 3))
-    finest = halved_to(np.asarray(radiance, np.float32).reshape(fine, fine, 3), SIZE)
-    known = np.broadcast_to(np.array([1.0, 0.0], np.float32), (SIZE, SIZE, 2))
-    return levels_below(np.concatenate([finest, known], axis=-1))
 
 
 def _lit(occluders: SceneOccluders, rho_d: Array, light: LightPyramid) -> SceneOccluders:

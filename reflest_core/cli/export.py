@@ -63,7 +63,9 @@ def add_parser(subparsers: Any) -> None:
         help="edge of the base colour texture; default: two pixels for each voxel",
     )
     parser.add_argument(
-        "--watertight", action="store_true", help="close the surface where nothing was scanned"
+        "--watertight",
+        action="store_true",
+        help="close the surface of a thing that was scanned from all sides",
     )
     parser.add_argument(
         "--sphere", action="store_true", help="a 10 cm sphere of the material, not the surface"

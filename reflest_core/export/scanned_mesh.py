@@ -94,7 +94,8 @@ def surface_mesh(scan: Scan, is_watertight: bool = False) -> TriangleMesh:
             where nothing was scanned.
 
     Raises:
-        ExportError: Nothing was scanned, or a package of the extra ``asset`` is missing.
+        ExportError: Nothing was scanned, a package of the extra ``asset`` is missing, or what
+            should be closed is open.
     """
     observed = scan.store.rows.positions[: scan.store.count]
     if not len(observed):

@@ -47,6 +47,18 @@ def keyframe(number):
     return Keyframe(KeyframeSnapshot(number, "", None), float(number))
 
 
+def held_estimate():
+    """An estimate that says when it begins, and ends when it is released."""
+    begun, release = threading.Event(), threading.Event()
+
+    def estimate(snapshot):
+        begun.set()
+        release.wait(60)
+        return ESTIMATE
+
+    return begun, release, estimate
+
+
 @pytest.fixture
 def estimating():
     published = Published()
@@ -76,13 +88,7 @@ def test_the_newest_keyframe_takes_the_place_of_those_that_wait(estimating):
 
 
 def test_what_was_scanned_before_a_reset_is_not_published_after_it(estimating):
-    begun, release = threading.Event(), threading.Event()
-
-    def estimate(snapshot):
-        begun.set()
-        release.wait(60)
-        return ESTIMATE
-
+    begun, release, estimate = held_estimate()
     worker, published = estimating(estimate, 1)
     assert begun.wait(60)
     worker.offer(keyframe(2))
@@ -145,13 +151,7 @@ def test_requests_that_wait_together_get_one_estimate_of_the_newest(estimating):
 
 
 def test_a_request_that_waits_when_the_worker_stops_is_answered(estimating):
-    begun, release = threading.Event(), threading.Event()
-
-    def estimate(snapshot):
-        begun.set()
-        release.wait(60)
-        return ESTIMATE
-
+    begun, release, estimate = held_estimate()
     worker, _ = estimating(estimate)
     first = worker.request(keyframe(1))
     assert begun.wait(60)
@@ -166,13 +166,7 @@ def test_a_request_that_waits_when_the_worker_stops_is_answered(estimating):
 
 
 def test_a_stop_does_not_wait_for_a_long_estimate_which_is_not_published(estimating):
-    begun, release = threading.Event(), threading.Event()
-
-    def estimate(snapshot):
-        begun.set()
-        release.wait(60)
-        return ESTIMATE
-
+    begun, release, estimate = held_estimate()
     worker, published = estimating(estimate, 1)
     assert begun.wait(60)
     request = worker.request(keyframe(2))
