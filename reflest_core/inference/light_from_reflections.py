@@ -30,6 +30,8 @@ from reflest_core.inference.light_prior import (
     which_matter,
 )
 from reflest_core.inference.transport.light_patches import PatchResponse
+from reflest_core.inference.transport.reflected_patches import Reflection
+from reflest_core.jit import compiled, kernel_array
 from reflest_core.surface.surface_sample import SurfaceSample
 
 TURNS, FURTHER_TURNS = 6, 2
@@ -49,7 +51,7 @@ FEWEST = 10
 def infer_light_by_gloss(
     sample: SurfaceSample,
     response: PatchResponse,
-    reflection: PatchResponse,
+    reflection: Reflection,
     gloss: GlossFit,
     albedo: NDArray[np.float32],
     priors: Sequence[LightPrior] = (BRIGHT,),
@@ -77,48 +79,67 @@ def infer_light_by_gloss(
 
 
 @dataclass(frozen=True)
-class _System:
-    """One channel: R observations, U unknowns that matter to them.
+class _Mirrored:
+    """What R observations mirror of U unknowns at ``rho_s = 1``: a lobe sees few patches.
 
-    ``target``: (R,) colours less what is known of their reflections, ``noise``: (R,) standard
-    deviations. ``is_bound``: (R,) where clipped, so that the colour is at least that. ``diffuse``,
-    ``mirrored``: (R, U) answers, the latter at ``rho_s = 1``.
+    ``starts``: (R + 1,), observation r has the entries ``starts[r]:starts[r + 1]`` of ``columns``,
+    the unknowns, and ``values``, their answers.
+    """
+
+    starts: NDArray[np.int64]
+    columns: NDArray[np.int32]
+    values: NDArray[np.float32]
+
+    def __matmul__(self, found: NDArray[np.float64]) -> NDArray[np.float32]:
+        """(R,) from (U,)."""
+        return _times(self.starts, self.columns, self.values, found.astype(np.float32))
+
+
+@dataclass(frozen=True)
+class _System:
+    """One channel: R observations of V voxels, U unknowns that matter to them.
+
+    ``voxel_of``: (R,). ``target``: (R,) colours less what is known of their reflections, ``noise``:
+    (R,) standard deviations. ``is_bound``: (R,) where clipped, so that the colour is at least that.
+    ``diffuse``: (V, U) answers.
     """
 
     rho_s: float
     matters: NDArray[np.bool_]
+    voxel_of: NDArray[np.int64]
     target: NDArray[np.float32]
     noise: NDArray[np.float32]
     is_bound: NDArray[np.bool_]
     diffuse: NDArray[np.float32]
-    mirrored: NDArray[np.float32]
+    mirrored: _Mirrored
 
     @staticmethod
     def of(
         sample: SurfaceSample,
         response: PatchResponse,
-        reflection: PatchResponse,
+        reflection: Reflection,
         rho_s: float,
         channel: int,
     ) -> _System:
         colours = sample.colours[:, channel]
-        diffuse = np.take(response.answers[channel], sample.voxel_of, axis=0)
-        reflects_seen = reflection.answers[channel, :, 0]
-        mirrored = reflection.answers[channel].copy()
-        mirrored[:, 0] = 0.0  # what reflects seen light is known, and taken from the target
-        matters = which_matter(diffuse + mirrored)
-        used = np.flatnonzero(matters)
+        diffuse = kernel_array(response.answers[channel], np.float32)
+        reflects_seen = reflection.known[channel]  # is known, and taken from the target
+        starts, columns = reflection.starts, reflection.columns
+        values = kernel_array(reflection.values[channel], np.float32)
+        matters = which_matter(_strongest(diffuse, sample.voxel_of, starts, columns, values))
+        place = np.cumsum(matters, dtype=np.int32) - np.int32(1)
         return _System(
             rho_s,
             matters,
+            sample.voxel_of,
             colours - np.float32(rho_s) * reflects_seen,
             np.hypot(
                 RELATIVE * colours + LEAST,
                 np.float32(COARSE * rho_s) * reflects_seen,
             ),
             sample.clipped[:, channel],
-            np.take(diffuse, used, axis=1),
-            np.take(mirrored, used, axis=1),
+            np.take(diffuse, np.flatnonzero(matters), axis=1),
+            _Mirrored(starts, place[columns], np.where(matters[columns], values, np.float32(0.0))),
         )
 
     def explained(self, priors: Sequence[LightPrior], albedo: float) -> list[ChannelLight]:
@@ -142,27 +163,114 @@ class _System:
         What is far from the answer before loses weight, and so from the ``start`` if that was found
         and not just expected.
         """
-        found, factors = start, start / max(float(start[0]), 1e-3)
+        found, factors, share = start, start / max(float(start[0]), 1e-3), 0.0
         for turn in range(turns):
             share = min(self.rho_s / max(float(found[0]), LEAST_ALBEDO), MOST_GLOSS)
-            columns = self.diffuse + np.float32(share) * self.mirrored
-            unsure = np.float32(HIDDEN * self.rho_s) * (self.mirrored @ factors.astype(np.float32))
+            unsure = np.float32(HIDDEN * self.rho_s) * (self.mirrored @ factors)
             variance = self.noise**2 + unsure**2
             if turn == 0 and not is_found:
                 weight = np.where(self.is_bound, np.float32(0.0), 1.0 / variance)
             else:
-                error = self._error(columns, found)
+                error = self._error(share, found)
                 is_met = self.is_bound & (error >= 0.0)
                 weight = np.where(is_met, np.float32(0.0), 1.0 / (variance + error**2))
-            found, matrix = unknowns.most_likely(columns, self.target, weight, found)
+            found, matrix = unknowns.most_likely(*self._equations(share, weight), found)
             factors[1:] = found[1:] / max(float(found[0]), 1e-3)
-        error = (self._error(columns, found) / self.noise)[~self.is_bound]
+        error = (self._error(share, found) / self.noise)[~self.is_bound]
         misfit = RELATIVE * float(np.sqrt(np.log1p(error**2).mean()))
         deviation = log_albedo_deviation(found, matrix)
         light = (unknowns.factors(found), max(float(found[0]), 1e-3), deviation, misfit)
         return light, found
 
-    def _error(
-        self, columns: NDArray[np.float32], found: NDArray[np.float64]
-    ) -> NDArray[np.float32]:
-        return np.asarray(columns @ found.astype(np.float32) - self.target)
+    def _error(self, share: float, found: NDArray[np.float64]) -> NDArray[np.float32]:
+        """(R,) model less target, where ``rho_s`` is the ``share`` of ``rho_d``."""
+        diffuse = (self.diffuse @ found.astype(np.float32))[self.voxel_of]
+        return np.asarray(diffuse + np.float32(share) * (self.mirrored @ found) - self.target)
+
+    def _equations(
+        self, share: float, weight: NDArray[np.float32]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Normal matrix (U, U) and vector (U,), by voxels: their diffuse answers are all views'."""
+        halves, pulls, of_mirrored, vector = _summed(
+            self.mirrored.starts,
+            self.mirrored.columns,
+            np.float32(share) * self.mirrored.values,
+            self.voxel_of,
+            self.target,
+            weight,
+            self.diffuse,
+        )
+        half = (self.diffuse.T @ halves).astype(np.float64)
+        return half + half.T + of_mirrored, vector + (pulls @ self.diffuse)
+
+
+@compiled
+def _strongest(
+    diffuse: NDArray[np.float32],
+    voxel_of: NDArray[np.int64],
+    starts: NDArray[np.int64],
+    columns: NDArray[np.int32],
+    values: NDArray[np.float32],
+) -> NDArray[np.float32]:
+    """(1, 1 + 2 P) the greatest answer of an observation to each unknown; ``diffuse`` by voxel."""
+    strongest = np.zeros((1, diffuse.shape[1]), np.float32)
+    for r in range(len(voxel_of)):
+        own = diffuse[voxel_of[r]]
+        if r == 0 or voxel_of[r] != voxel_of[r - 1]:
+            for n in range(len(own)):
+                strongest[0, n] = max(strongest[0, n], own[n])
+        for entry in range(starts[r], starts[r + 1]):
+            n = columns[entry]
+            strongest[0, n] = max(strongest[0, n], own[n] + values[entry])
+    return strongest
+
+
+@compiled
+def _times(
+    starts: NDArray[np.int64],
+    columns: NDArray[np.int32],
+    values: NDArray[np.float32],
+    found: NDArray[np.float32],
+) -> NDArray[np.float32]:
+    product = np.zeros(len(starts) - 1, np.float32)
+    for r in range(len(product)):
+        for entry in range(starts[r], starts[r + 1]):
+            product[r] += values[entry] * found[columns[entry]]
+    return product
+
+
+@compiled
+def _summed(
+    starts: NDArray[np.int64],
+    columns: NDArray[np.int32],
+    values: NDArray[np.float32],
+    voxel_of: NDArray[np.int64],
+    target: NDArray[np.float32],
+    weight: NDArray[np.float32],
+    diffuse: NDArray[np.float32],
+) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float64], NDArray[np.float64]]:
+    """Sum weighted observations, whose answers are a voxel's ``diffuse`` and their own ``values``.
+
+    Returns by voxel (V, U) half of its weighted diffuse answers, and all of its mirrored ones; (V,)
+    its weighted targets; then the mirrored answers' products with one another (U, U) and with the
+    targets (U,).
+    """
+    halves, pulls = np.zeros(diffuse.shape, np.float32), np.zeros(len(diffuse), np.float32)
+    masses = np.zeros(len(diffuse), np.float32)
+    unknowns = diffuse.shape[1]
+    matrix, vector = np.zeros((unknowns, unknowns)), np.zeros(unknowns)
+    for r in range(len(weight)):
+        voxel, pull = voxel_of[r], weight[r] * target[r]
+        masses[voxel] += weight[r]
+        pulls[voxel] += pull
+        for entry in range(starts[r], starts[r + 1]):
+            weighted = weight[r] * values[entry]
+            halves[voxel, columns[entry]] += weighted
+            vector[columns[entry]] += values[entry] * pull
+            for other in range(starts[r], starts[r + 1]):
+                matrix[columns[entry], columns[other]] += weighted * values[other]
+    for voxel in range(len(diffuse)):
+        half = np.float32(0.5) * masses[voxel]
+        for n in range(unknowns):
+            halves[voxel, n] += half * diffuse[voxel, n]
+    return halves, pulls, matrix, vector

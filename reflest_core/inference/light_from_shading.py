@@ -20,6 +20,7 @@ from reflest_core.inference.light_prior import (
     LightPrior,
     Unknowns,
     log_albedo_deviation,
+    normal_equations,
     which_matter,
 )
 from reflest_core.inference.transport.light_patches import PatchResponse
@@ -94,7 +95,8 @@ def _infer_channel(
     found, errors = unknowns.expected(ALBEDO[0]), np.zeros_like(target)
     for _ in range(ROUNDS):
         weight = 1.0 / (noise**2 * (1.0 + errors**2))
-        found, matrix = unknowns.most_likely(columns, target, weight, found)
+        equations = normal_equations(columns, target, weight.astype(np.float32))
+        found, matrix = unknowns.most_likely(*equations, found)
         errors = (columns @ found.astype(np.float32) - target) / noise
     misfit = NOISE * float(np.sqrt(np.log1p(errors**2).mean())) if len(errors) else 0.0
     deviation = log_albedo_deviation(found, matrix)

@@ -177,28 +177,18 @@ class Unknowns:
         factors[self.matters[1:]] = found[1:] / max(float(found[0]), 1e-3)
         return factors
 
-    def most_likely(
-        self,
-        columns: NDArray[np.floating],
-        target: NDArray[np.floating],
-        weight: NDArray[np.floating],
-        start: Array,
-    ) -> tuple[Array, Array]:
+    def most_likely(self, matrix: Array, vector: Array, start: Array) -> tuple[Array, Array]:
         """Find the nonnegative unknowns that are most likely under prior and observations.
 
         Args:
-            columns: (R, U) responses to the unknowns that matter.
-            target: (R,) what they should add up to.
-            weight: (R,) its inverse variance.
+            matrix: (U, U) the observations' normal matrix, see :func:`normal_equations`.
+            vector: (U,) their normal equations' right side.
             start: (U,) the last solution, whose albedo sets the prior's widths.
 
         Returns:
             The unknowns (U,) and the normal matrix (U, U), prior included.
         """
-        root = np.sqrt(weight).astype(np.float32)
-        weighted = columns * root[:, None]
-        matrix = (weighted.T @ weighted).astype(np.float64)
-        vector = (weighted.T @ (target * root)).astype(np.float64)
+        matrix, vector = matrix.copy(), vector.copy()
         mean = self.prior.mean[self.matters[1:]]
         width = self.prior.width[self.matters[1:]]
         precision = 1.0 / (width * max(float(start[0]), DARKEST_ALBEDO)) ** 2
@@ -209,6 +199,27 @@ class Unknowns:
         matrix[0, 0] += (precision * mean**2).sum() + ALBEDO[1] ** -2
         vector[0] += ALBEDO[0] * ALBEDO[1] ** -2
         return nonnegative_minimum(matrix, vector, start), matrix
+
+
+def normal_equations(
+    columns: NDArray[np.float32], target: NDArray[np.float32], weight: NDArray[np.float32]
+) -> tuple[Array, Array]:
+    """Multiply out the least squares of responses that should add up to a target.
+
+    Args:
+        columns: (R, U) responses to U unknowns.
+        target: (R,) what they should add up to.
+        weight: (R,) its inverse variance.
+
+    Returns:
+        The matrix (U, U) and the vector (U,).
+    """
+    root = np.sqrt(weight)
+    weighted = columns * root[:, None]
+    return (
+        (weighted.T @ weighted).astype(np.float64),
+        (weighted.T @ (target * root)).astype(np.float64),
+    )
 
 
 def log_albedo_deviation(found: Array, matrix: Array) -> float:

@@ -10,6 +10,7 @@ each with little scatter of its own, and neighbours are mostly of one.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,24 +49,32 @@ class TwoAlbedos:
         share: of the voxels, in the smaller part.
         distance: between the parts' means, in Lab with lightness halved.
         scatter: RMS distance of the voxels to their part's mean.
-        together: share of neighbours in one part.
         observed: share of the parts' difference in log albedo that their colours have too.
+        positions: (N, 3) of the voxels, metres.
+        in_second: (N,) which part each is in.
     """
 
     share: float
     distance: float
     scatter: float
-    together: float
     observed: float
+    positions: NDArray[np.float32]
+    in_second: NDArray[np.bool_]
+
+    @cached_property
+    def together(self) -> float:
+        """Share of neighbours in one part."""
+        _, near = cKDTree(self.positions).query(self.positions, k=NEIGHBOURS + 1)
+        return float((self.in_second[near[:, 1:]] == self.in_second[:, None]).mean())
 
     @property
     def is_mixed(self) -> bool:
-        """Whether the parts are two materials."""
+        """Whether the parts are two materials; the neighbours, which take longest, come last."""
         return (
             self.share >= SMALLEST
             and self.distance >= max(APART, SCATTER * self.scatter)
-            and self.together >= TOGETHER
             and self.observed >= OBSERVED
+            and self.together >= TOGETHER
         )
 
 
@@ -106,20 +115,20 @@ def two_albedos(
         if in_second.all() or not in_second.any():
             return None
         means = np.stack([lab[~in_second].mean(axis=0), lab[in_second].mean(axis=0)])
-        distances = np.linalg.norm(lab[:, None] - means, axis=2)
+        distances = np.stack([np.sqrt(((lab - mean) ** 2).sum(axis=1)) for mean in means], axis=1)
         nearest = distances[:, 1] < distances[:, 0]
         if (nearest == in_second).all():
             break
         in_second = nearest
-    _, near = cKDTree(positions).query(positions, k=NEIGHBOURS + 1)
     share = float(in_second.mean())
     shown, differs = _log_step(colours, in_second), _log_step(albedo, in_second)
     return TwoAlbedos(
         min(share, 1.0 - share),
         float(np.linalg.norm(means[0] - means[1])),
         float(np.sqrt((distances.min(axis=1) ** 2).mean())),
-        float((in_second[near[:, 1:]] == in_second[:, None]).mean()),
         float(shown @ differs) / max(float(differs @ differs), 1e-9),
+        positions,
+        in_second,
     )
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.jit import kernel_array, vectorised
 from reflest_core.light.light_map import ObservedLight
 from reflest_core.light.octahedral import octahedral_solid_angles
 
@@ -57,7 +58,7 @@ def complete(light: ObservedLight) -> LightPyramid:
     )
     for level in reversed(pulled):
         if len(level) > len(filled):
-            filled = smoothed(np.repeat(np.repeat(filled, 2, axis=0), 2, axis=1))
+            filled = doubled(filled)
         trust = np.minimum(level[..., SEEN:] / TRUSTED_SHARE, 1.0)
         seen = level[..., RADIANCE] / np.maximum(level[..., SEEN:], 1e-9)
         filled = trust * seen + (1.0 - trust) * filled
@@ -112,10 +113,7 @@ def halved(level: NDArray[np.float32]) -> NDArray[np.float32]:
     Returns:
         (N / 2, N / 2, C).
     """
-    size = len(level)
-    angles = octahedral_solid_angles(size)[..., None]
-    weighted = _sum_of_fours(level * angles)
-    return np.asarray(weighted / _sum_of_fours(angles), np.float32)
+    return _halved(kernel_array(level, np.float32), octahedral_solid_angles(len(level)))
 
 
 def halved_to(level: NDArray[np.float32], size: int) -> NDArray[np.float32]:
@@ -133,20 +131,54 @@ def halved_to(level: NDArray[np.float32], size: int) -> NDArray[np.float32]:
     return level
 
 
-def _sum_of_fours(image: NDArray[np.float32]) -> NDArray[np.float32]:
-    rows = image[0::2] + image[1::2]
-    return np.asarray(rows[:, 0::2] + rows[:, 1::2])
-
-
-def smoothed(image: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Apply a binomial filter of width 3 along both edges of a map.
+def doubled(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Double a map's resolution, and apply a binomial filter of width 3 along both edges.
 
     Args:
         image: (N, N, C).
 
     Returns:
-        (N, N, C).
+        (2 N, 2 N, C).
     """
-    padded = np.pad(image, ((1, 1), (1, 1), (0, 0)), mode="edge")
-    rows = 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
-    return np.asarray(0.25 * rows[:, :-2] + 0.5 * rows[:, 1:-1] + 0.25 * rows[:, 2:])
+    return _doubled(kernel_array(image, np.float32))
+
+
+@vectorised
+def _halved(level: NDArray[np.float32], angles: NDArray[np.float32]) -> NDArray[np.float32]:
+    size, channels = len(level) // 2, level.shape[2]
+    means = np.empty((size, size, channels), np.float32)
+    for row in range(size):
+        for column in range(size):
+            r, c = 2 * row, 2 * column
+            first, second = angles[r, c], angles[r + 1, c]
+            third, fourth = angles[r, c + 1], angles[r + 1, c + 1]
+            total = (first + second) + (third + fourth)
+            for n in range(channels):
+                left = level[r, c, n] * first + level[r + 1, c, n] * second
+                right = level[r, c + 1, n] * third + level[r + 1, c + 1, n] * fourth
+                means[row, column, n] = (left + right) / total
+    return means
+
+
+@vectorised
+def _doubled(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    size, channels = len(image), image.shape[2]
+    wide, narrow = np.float32(0.5), np.float32(0.25)
+    found = np.empty((2 * size, 2 * size, channels), np.float32)
+    line = np.empty((size, channels), np.float32)
+    for row in range(2 * size):
+        above, here, below = max(row - 1, 0) // 2, row // 2, min(row + 1, 2 * size - 1) // 2
+        for column in range(size):
+            for n in range(channels):
+                line[column, n] = (
+                    narrow * image[above, column, n]
+                    + wide * image[here, column, n]
+                    + narrow * image[below, column, n]
+                )
+        for column in range(2 * size):
+            left, right = max(column - 1, 0) // 2, min(column + 1, 2 * size - 1) // 2
+            for n in range(channels):
+                found[row, column, n] = (
+                    narrow * line[left, n] + wide * line[column // 2, n] + narrow * line[right, n]
+                )
+    return found

@@ -39,6 +39,7 @@ LANES = 3 * ROUGHNESSES_AT_ONCE
 """Of a vector operation: the roughnesses in each channel."""
 
 Array = NDArray[np.float64]
+Array32 = NDArray[np.float32]
 
 _TRUST, _LOBE, _CLIPPED, _UNSEEN, _COLOUR, _NOISE, _IS_BOUND = range(7)
 """Rows of what is known of an observation: how much it counts; what it reflects at ``rho_s = 1`` of
@@ -74,14 +75,13 @@ def fit_roughnesses(
     known = _known(colours, clipped, lobes)
     starts = np.searchsorted(voxel_of, np.arange(voxels + 1))
     # Flat arrays of rows of lanes: the compiler knows their distances, and so can use vectors.
-    unknowns, before = np.zeros((_GLOSS + 1) * LANES), np.zeros((_GLOSS + 1) * LANES)
+    unknowns = np.zeros((_GLOSS + 1) * LANES, np.float32)
     unknowns[_GLOSS * LANES :] = FIRST_GLOSS
-    diffuse, diffuse_before = np.ones((voxels, LANES)), np.ones((voxels, LANES))
-    sums, moments, equations = (
-        np.zeros((voxels, 5 * LANES)),
-        np.zeros(14 * LANES),
-        np.zeros(9 * LANES),
-    )
+    before = np.zeros_like(unknowns)
+    diffuse = np.ones((voxels, LANES), np.float32)
+    diffuse_before = np.ones_like(diffuse)
+    sums, moments = np.zeros((voxels, 5 * LANES), np.float32), np.zeros(14 * LANES, np.float32)
+    equations = np.zeros(9 * LANES)
     matrix, vector = np.zeros((3, 3)), np.zeros(3)
     fits = np.zeros((roughnesses, 4))
     for turn in range(ROUNDS):
@@ -94,7 +94,8 @@ def fit_roughnesses(
             _add_voxel(moments, sums[v], equations)
         for k in range(roughnesses):
             _read_equations(equations, k, matrix, vector)
-            found = nonnegative_minimum(matrix, vector, before[k : 3 * LANES : LANES].copy())
+            start = before[k : 3 * LANES : LANES].astype(np.float64)
+            found = nonnegative_minimum(matrix, vector, start)
             found[0] = min(found[0], 1.0)
             for lane in range(k, LANES, ROUGHNESSES_AT_ONCE):
                 unknowns[_GLOSS * LANES + lane] = found[0]
@@ -148,23 +149,24 @@ def _known(
 
 @vectorised
 def _add_observation(
-    known: NDArray[np.float32], is_first: bool, unknowns: Array, diffuse: Array, moments: Array
+    known: Array32, is_first: bool, unknowns: Array32, diffuse: Array32, moments: Array32
 ) -> None:
     """Add an observation to its voxel's weighted ``moments``, rows of lanes.
 
     Those are the weight; weighted, the three answers and the colour; the answers' products with one
     another, row by row; their products with the colour.
     """
+    zero, coarse = np.float32(0.0), np.float32(COARSE)
     for n in range(LANES):
-        x, y = float(known[_LOBE * LANES + n]), float(known[_CLIPPED * LANES + n])
-        z, colour = float(known[_UNSEEN * LANES + n]), float(known[_COLOUR * LANES + n])
+        x, y, z = known[_LOBE * LANES + n], known[_CLIPPED * LANES + n], known[_UNSEEN * LANES + n]
+        colour = known[_COLOUR * LANES + n]
         error = colour - diffuse[n] - unknowns[n] * x
         error -= unknowns[LANES + n] * y + unknowns[2 * LANES + n] * z
-        spread = COARSE * unknowns[_GLOSS * LANES + n] * x
+        spread = coarse * unknowns[_GLOSS * LANES + n] * x
         variance = known[_NOISE * LANES + n] + spread * spread
-        variance += 0.0 if is_first else error * error
-        is_met = (known[_IS_BOUND * LANES + n] > 0.0) & (is_first | (error <= 0.0))
-        weight = 0.0 if is_met else known[_TRUST * LANES + n] / variance
+        variance += zero if is_first else error * error
+        is_met = (known[_IS_BOUND * LANES + n] > zero) & (is_first | (error <= zero))
+        weight = zero if is_met else known[_TRUST * LANES + n] / variance
         of_x, of_y, of_z = weight * x, weight * y, weight * z
         moments[n] += weight
         moments[LANES + n] += of_x
@@ -183,15 +185,16 @@ def _add_observation(
 
 
 @vectorised
-def _add_voxel(moments: Array, sums: Array, equations: Array) -> None:
+def _add_voxel(moments: Array32, sums: Array32, equations: Array) -> None:
     """Add a voxel to the normal equations, each answer taken from its mean in voxel and channel.
 
     ``sums`` takes the first five rows of the moments; ``equations`` are six rows of the matrix'
     upper triangle and three of the vector.
     """
     for n in range(LANES):
-        weight, x, y = moments[n], moments[LANES + n], moments[2 * LANES + n]
-        z, colour = moments[3 * LANES + n], moments[4 * LANES + n]
+        weight, x = float(moments[n]), float(moments[LANES + n])
+        y, z = float(moments[2 * LANES + n]), float(moments[3 * LANES + n])
+        colour = float(moments[4 * LANES + n])
         inverse = 1.0 / weight if weight > 0.0 else 0.0
         equations[n] += moments[5 * LANES + n] - x * x * inverse
         equations[LANES + n] += moments[6 * LANES + n] - x * y * inverse
@@ -226,11 +229,11 @@ def _sum_of_channels(rows: Array, row: int, k: int) -> float:
 
 
 @vectorised
-def _update_diffuse(sums: Array, unknowns: Array, diffuse: Array) -> None:
+def _update_diffuse(sums: Array32, unknowns: Array32, diffuse: Array32) -> None:
     """What a voxel sends in each channel beside its reflections, where something counts."""
     for n in range(LANES):
-        weight = sums[n]
-        rest = sums[4 * LANES + n] - unknowns[n] * sums[LANES + n]
+        weight = float(sums[n])
+        rest = float(sums[4 * LANES + n]) - unknowns[n] * sums[LANES + n]
         rest -= unknowns[LANES + n] * sums[2 * LANES + n]
         rest -= unknowns[2 * LANES + n] * sums[3 * LANES + n]
         mean = max(rest / (weight if weight > 0.0 else 1.0), 0.0)
@@ -238,7 +241,7 @@ def _update_diffuse(sums: Array, unknowns: Array, diffuse: Array) -> None:
 
 
 @compiled
-def _error(known: NDArray[np.float32], lane: int, unknowns: Array, diffuse: Array) -> float:
+def _error(known: Array32, lane: int, unknowns: Array32, diffuse: Array32) -> float:
     """Of a channel of an observation, at one roughness."""
     rest = known[_COLOUR * LANES + lane] - diffuse[lane]
     for i in range(3):

@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.light.completion import RADIANCE, LightPyramid, halved, smoothed
+from reflest_core.light.completion import RADIANCE, LightPyramid, doubled, halved
 
 BANDS = 3
 """Between levels of the pyramid: roughnesses of about .02, .05 and .1 with texels of 2 degrees."""
@@ -54,5 +54,5 @@ def light_bands(light: LightPyramid) -> NDArray[np.float32]:
 
 def _at_size(image: NDArray[np.float32], size: int) -> NDArray[np.float32]:
     while len(image) < size:
-        image = np.asarray(smoothed(np.repeat(np.repeat(image, 2, axis=0), 2, axis=1)), np.float32)
+        image = doubled(image)
     return image

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from reflest_core.brdf import srgb
 from reflest_core.inference.gloss.colour_noise import HIGHLIGHT_ERROR, colour_variances
 from reflest_core.inference.gloss.lobes import EXCESS
-from reflest_core.jit import compiled
+from reflest_core.jit import compiled, vectorised
 
 FREEDOM = 4.0
 """Degrees of freedom of the errors."""
@@ -42,6 +42,16 @@ WHITE = 1.0
 MAXIMUM = 3.0 / 8.0
 """Of the density at scale 1, for four degrees of freedom."""
 SMALLEST_TAIL = 1e-6
+
+Array = NDArray[np.float64]
+Array32 = NDArray[np.float32]
+Slot = tuple[Array32, NDArray[np.bool_], Array32, Array]
+"""Of one observation of each voxel: colours, whether these are bounds, variances and trust."""
+
+_MASS, _FIRST, _COLOUR, _AA, _AY, _SECOND, _AB, _BB, _BY = range(9)
+"""Weighted sums over a voxel's observations: of the weight, the lobe and the colour; of the lobe's
+square and of its product with the rest; of the clipped lobe, and of the products of both slopes."""
+_MOMENTS = 9
 
 
 @dataclass(frozen=True)
@@ -82,170 +92,248 @@ def fit_gloss(
     Returns:
         The fits.
     """
+    laid_out = _lay_out(
+        srgb.LINEAR[colours],
+        colours == 255,
+        colour_variances().astype(np.float32)[colours],
+        trust,
+        offsets,
+        lobes,
+    )
+    observed, grids = laid_out[:4], laid_out[4:]
+    weights = observed[3]
     roughnesses, voxels = len(lobes), len(offsets) - 1
-    linear, is_clipped = srgb.LINEAR[colours], colours == 255
-    variances = colour_variances().astype(np.float32)[colours]
-    found = np.zeros((roughnesses, 3))
-    diffuse, of_voxels = np.zeros((roughnesses, voxels, 3)), np.zeros((roughnesses, voxels))
-
-    radiances, matte, start = np.full((voxels, 3), np.nan), np.zeros(voxels), (0.0, 0.0)
-    observed = (linear, is_clipped, variances, trust, offsets)
-    fit_at_roughness(*observed, lobes[0], start, ROUNDS, True, radiances, matte)
-    radiances[:] = np.nan
+    diffuse, matte = np.zeros((roughnesses, 3, voxels)), np.zeros((3, voxels))
+    # Their logarithms all at once, by vector instructions.
+    densities = np.ones((roughnesses + 1, *weights.shape))
+    flat = (0.0, 0.0)
+    fit_at_roughness(*observed, grids[0][0], grids[1][0], flat, ROUNDS, True, matte, densities[-1])
     has_excess = float(lobes[..., EXCESS:].max(initial=0.0)) > LEAST_CLIPPED
     least = LEAST_EXCESS if has_excess else 0.0
     start, rounds = (FIRST_GLOSS, math.expm1(EXCESS_MEAN) if has_excess else 0.0), ROUNDS
+    found = np.zeros((roughnesses, 2))
     for k in range(roughnesses):
+        if k > 0:
+            diffuse[k] = diffuse[k - 1]
         found[k] = fit_at_roughness(
-            *observed, lobes[k], start, rounds, False, radiances, of_voxels[k]
+            *observed, grids[0][k], grids[1][k], start, rounds, k == 0, diffuse[k], densities[k]
         )
         start, rounds = (found[k, 0], max(found[k, 1], least)), FURTHER_ROUNDS
-        diffuse[k] = radiances
-    rho_s, excess, log_prior = found.T
-    return GlossFits(rho_s, excess, diffuse, of_voxels, log_prior, float(matte.sum()))
+    of_voxels = (weights * np.log(densities)).sum(axis=1)
+    rho_s, excess = found.T
+    log_prior = np.zeros(roughnesses)
+    if has_excess:
+        log_prior -= 0.5 * EXCESS_WEIGHT * ((np.log1p(excess) - EXCESS_MEAN) / EXCESS_SPREAD) ** 2
+    return GlossFits(
+        rho_s,
+        excess,
+        diffuse.transpose(0, 2, 1),
+        of_voxels[:-1],
+        log_prior,
+        float(of_voxels[-1].sum()),
+    )
+
+
+@compiled
+def _lay_out(
+    colours: Array32,
+    is_clipped: NDArray[np.bool_],
+    variances: Array32,
+    trust: Array,
+    offsets: NDArray[np.int64],
+    lobes: Array32,
+) -> tuple[Array32, NDArray[np.bool_], Array32, Array, Array32, Array32]:
+    """Lay observations out as slots of V voxels, whose vector instructions then run over voxels.
+
+    Returns colours, channels at 255 and variances (3, S, V); trust (S, V), 0 where a voxel has
+    fewer observations; lobes and clipped lobes (K, 3, S, V).
+    """
+    voxels, slots = len(offsets) - 1, 0
+    for v in range(voxels):
+        slots = max(slots, offsets[v + 1] - offsets[v])
+    grid, weights = np.zeros((3, slots, voxels), np.float32), np.zeros((slots, voxels))
+    bounds, noise = np.zeros(grid.shape, np.bool_), np.ones(grid.shape, np.float32)
+    light = np.zeros((len(lobes), 3, slots, voxels), np.float32)
+    clipped = np.zeros(light.shape, np.float32)
+    for v in range(voxels):
+        for slot in range(offsets[v + 1] - offsets[v]):
+            o = offsets[v] + slot
+            weights[slot, v] = trust[o]
+            for c in range(3):
+                grid[c, slot, v], noise[c, slot, v] = colours[o, c], variances[o, c]
+                bounds[c, slot, v] = is_clipped[o, c]
+                for k in range(len(lobes)):
+                    light[k, c, slot, v] = lobes[k, o, c]
+                    clipped[k, c, slot, v] = lobes[k, o, EXCESS + c]
+    return grid, bounds, noise, weights, light, clipped
 
 
 @compiled
 def fit_at_roughness(
-    colours: NDArray[np.float32],
+    colours: Array32,
     is_clipped: NDArray[np.bool_],
-    variances: NDArray[np.float32],
-    trust: NDArray[np.float64],
-    offsets: NDArray[np.int64],
-    lobes: NDArray[np.float32],
+    variances: Array32,
+    trust: Array,
+    lobes: Array32,
+    clipped_lobes: Array32,
     start: tuple[float, float],
     rounds: int,
-    is_matte: bool,
-    diffuse: NDArray[np.float64],
-    likelihoods: NDArray[np.float64],
-) -> tuple[float, float, float]:
+    is_new: bool,
+    diffuse: Array,
+    densities: Array,
+) -> tuple[float, float]:
     """Fit ``rho_s`` and the excess of clipped light at one roughness.
 
     Args:
-        colours: (O, 3) linear, grouped by voxel.
-        is_clipped: (O, 3) channels at 255.
-        variances: (O, 3) of the colours' noise.
-        trust: (O,) weight of each observation, the same for all roughnesses.
-        offsets: (V + 1,) voxel v owns observations ``offsets[v]:offsets[v + 1]``.
-        lobes: (O, 7), see :func:`.lobe_light`.
-        start: ``rho_s`` and excess to begin with; an excess of 0 stays 0.
+        colours: (3, S, V) linear, of the observations in S slots of V voxels.
+        is_clipped: (3, S, V) channels at 255.
+        variances: (3, S, V) of the colours' noise.
+        trust: (S, V) weight of each observation, the same for all roughnesses; 0 in empty slots.
+        lobes: (3, S, V) radiance that is reflected at ``rho_s = 1``.
+        clipped_lobes: (3, S, V) what clipped light adds to it for each unit above white.
+        start: ``rho_s`` and excess to begin with; 0 stays 0.
         rounds: Of reweighting.
-        is_matte: Whether ``rho_s`` is held at 0.
-        diffuse: (V, 3) diffuse radiances to begin with, NaN where unknown; takes those found.
-        likelihoods: (V,), takes each voxel's log-likelihood.
+        is_new: Whether the diffuse radiances are not known yet.
+        diffuse: (3, V) diffuse radiances to begin with; takes those found.
+        densities: (S, V) ones; takes the likelihood of each observation.
 
     Returns:
-        ``rho_s``, the excess, and the logarithm of the excess' prior.
+        ``rho_s`` and the excess.
     """
     gloss, excess = start
-    has_excess = excess > 0.0
-    sums = np.zeros((len(diffuse), 3, 4))
-    for _ in range(rounds):
-        matrix, vector = _equations(
-            colours,
-            is_clipped,
-            variances,
-            lobes,
-            trust,
-            offsets,
-            gloss,
-            excess,
-            diffuse,
-            sums,
-        )
+    is_matte, has_excess = gloss == 0.0, excess > 0.0
+    _, slots, voxels = colours.shape
+    sums, weights = np.zeros((3, _MOMENTS, voxels)), np.zeros(voxels)
+    for turn in range(rounds):
+        is_first = is_new and turn == 0
+        sums[:] = 0.0
+        matrix, vector = np.zeros(3), np.zeros(2)
+        for c in range(3):
+            for s in range(slots):
+                of_slot = colours[c, s], is_clipped[c, s], variances[c, s], trust[s]
+                lobe, clipped_lobe = lobes[c, s], clipped_lobes[c, s]
+                _add_slot(
+                    of_slot,
+                    lobe,
+                    clipped_lobe,
+                    gloss,
+                    excess,
+                    diffuse[c],
+                    is_first,
+                    weights,
+                    sums[c],
+                )
+                if has_excess:
+                    _add_excess(colours[c, s], lobe, clipped_lobe, gloss, excess, weights, sums[c])
+            _add_equations(sums[c], gloss, matrix, vector)
+        old_excess = excess
         if not is_matte:
             gloss, excess = _stepped(matrix, vector, gloss, excess, has_excess)
-        for v in range(len(diffuse)):
-            for c in range(3):
-                if sums[v, c, 0] <= 0.0:  # all clipped and explained, or nothing counts
-                    diffuse[v, c] = WHITE if math.isnan(diffuse[v, c]) else diffuse[v, c]
-                else:
-                    lobe = sums[v, c, 1] + excess * sums[v, c, 2]
-                    diffuse[v, c] = max((sums[v, c, 3] - gloss * lobe) / sums[v, c, 0], 0.0)
-    for v in range(len(diffuse)):
-        likelihoods[v] = 0.0
-        for o in range(offsets[v], offsets[v + 1]):
-            product = 1.0  # of the channels' densities, for one logarithm of all
-            for c in range(3):
-                lobe = lobes[o, c] + excess * lobes[o, EXCESS + c]
-                error = colours[o, c] - diffuse[v, c] - gloss * lobe
-                spread = HIGHLIGHT_ERROR * gloss * lobe
-                product *= _density(error, variances[o, c] + spread * spread, is_clipped[o, c])
-            likelihoods[v] += trust[o] * math.log(product)
-    log_prior = 0.0
-    if has_excess:
-        score = (math.log1p(excess) - EXCESS_MEAN) / EXCESS_SPREAD
-        log_prior = -0.5 * EXCESS_WEIGHT * score * score
-    return gloss, excess, log_prior
+        for c in range(3):
+            _update_diffuse(sums[c], gloss, excess - old_excess, is_first, diffuse[c])
+    for c in range(3):
+        for s in range(slots):
+            of_slot = colours[c, s], is_clipped[c, s], variances[c, s], trust[s]
+            _multiply_densities(
+                of_slot, lobes[c, s], clipped_lobes[c, s], gloss, excess, diffuse[c], densities[s]
+            )
+    return gloss, excess
+
+
+@vectorised
+def _add_slot(
+    of_slot: Slot,
+    lobes: Array32,
+    clipped_lobes: Array32,
+    gloss: float,
+    excess: float,
+    diffuse: Array,
+    is_first: bool,
+    weights: Array,
+    sums: Array,
+) -> None:
+    """Weigh one observation of each voxel, and add it to the voxel's moments."""
+    colours, is_clipped, variances, trust = of_slot
+    for v in range(len(weights)):
+        lobe = lobes[v] + excess * clipped_lobes[v]
+        spread = HIGHLIGHT_ERROR * gloss * lobe
+        variance = variances[v] + spread * spread
+        rest = colours[v] - gloss * lobe
+        error = 0.0 if is_first else rest - diffuse[v]
+        weight = trust[v] * (FREEDOM + 1.0) / (FREEDOM * variance + error * error)
+        weight = 0.0 if is_clipped[v] & (error <= 0.0) else weight
+        weights[v] = weight
+        sums[_MASS, v] += weight
+        sums[_FIRST, v] += weight * lobe
+        sums[_COLOUR, v] += weight * colours[v]
+        sums[_AA, v] += weight * lobe * lobe
+        sums[_AY, v] += weight * lobe * rest
+
+
+@vectorised
+def _add_excess(
+    colours: Array32,
+    lobes: Array32,
+    clipped_lobes: Array32,
+    gloss: float,
+    excess: float,
+    weights: Array,
+    sums: Array,
+) -> None:
+    """Add what else the moments need where there is clipped light."""
+    for v in range(len(weights)):
+        lobe = lobes[v] + excess * clipped_lobes[v]
+        rest, other = colours[v] - gloss * lobe, gloss * clipped_lobes[v]
+        sums[_SECOND, v] += weights[v] * clipped_lobes[v]
+        sums[_AB, v] += weights[v] * lobe * other
+        sums[_BB, v] += weights[v] * other * other
+        sums[_BY, v] += weights[v] * other * rest
 
 
 @compiled
-def _equations(
-    colours: NDArray[np.float32],
-    is_clipped: NDArray[np.bool_],
-    variances: NDArray[np.float32],
-    lobes: NDArray[np.float32],
-    trust: NDArray[np.float64],
-    offsets: NDArray[np.int64],
-    gloss: float,
-    excess: float,
-    diffuse: NDArray[np.float64],
-    sums: NDArray[np.float64],
-) -> tuple[tuple[float, float, float], tuple[float, float]]:
-    """Gauss-Newton equations of steps in ``gloss`` and ``excess``, diffuse radiances eliminated.
+def _add_equations(sums: Array, gloss: float, matrix: Array, vector: Array) -> None:
+    """Add Gauss-Newton equations of steps in ``gloss`` and ``excess``, diffuse ones eliminated.
 
-    ``sums`` (V, 3, 4) takes the weights and, weighted, lobe, clipped lobe and colour. Returns the
-    matrix (its 0 0, 0 1 and 1 1 elements) and the vector.
+    ``matrix`` are its elements 0 0, 0 1 and 1 1.
     """
-    aa, ab, bb, ay, by = 0.0, 0.0, 0.0, 0.0, 0.0
+    for v in range(sums.shape[1]):
+        mass = sums[_MASS, v]
+        if mass <= 0.0:
+            continue
+        aa, ab, bb = sums[_AA, v], sums[_AB, v], sums[_BB, v]
+        ay, by = sums[_AY, v], sums[_BY, v]
+        first, second = sums[_FIRST, v], gloss * sums[_SECOND, v]
+        level = (sums[_COLOUR, v] - gloss * first) / mass
+        if level > 0.0:  # else the diffuse radiance is held at 0
+            aa -= first * first / mass
+            ab -= first * second / mass
+            bb -= second * second / mass
+            ay -= first * level
+            by -= second * level
+        matrix[0] += aa
+        matrix[1] += ab
+        matrix[2] += bb
+        vector[0] += ay
+        vector[1] += by
+
+
+@compiled
+def _update_diffuse(
+    sums: Array, gloss: float, more_excess: float, is_first: bool, diffuse: Array
+) -> None:
+    """Find each voxel's diffuse radiance, by the weights that it had in this turn."""
     for v in range(len(diffuse)):
-        for c in range(3):
-            is_first = math.isnan(diffuse[v, c])
-            mass, first, second, colour = 0.0, 0.0, 0.0, 0.0
-            paa, pab, pbb, pay, pby = 0.0, 0.0, 0.0, 0.0, 0.0
-            for o in range(offsets[v], offsets[v + 1]):
-                clipped_lobe = lobes[o, EXCESS + c]
-                lobe = lobes[o, c] + excess * clipped_lobe
-                spread = HIGHLIGHT_ERROR * gloss * lobe
-                variance = variances[o, c] + spread * spread
-                rest = colours[o, c] - gloss * lobe
-                error = 0.0 if is_first else rest - diffuse[v, c]
-                weight = trust[o] * (FREEDOM + 1.0) / (FREEDOM * variance + error * error)
-                if is_clipped[o, c] and error <= 0.0:
-                    weight = 0.0
-                other = gloss * clipped_lobe
-                mass += weight
-                first += weight * lobe
-                second += weight * clipped_lobe
-                colour += weight * colours[o, c]
-                paa += weight * lobe * lobe
-                pab += weight * lobe * other
-                pbb += weight * other * other
-                pay += weight * lobe * rest
-                pby += weight * other * rest
-            sums[v, c, 0], sums[v, c, 1] = mass, first - excess * second
-            sums[v, c, 2], sums[v, c, 3] = second, colour
-            if mass <= 0.0:
-                continue
-            level = (colour - gloss * first) / mass
-            if level > 0.0:  # else the diffuse radiance is held at 0
-                second *= gloss
-                paa -= first * first / mass
-                pab -= first * second / mass
-                pbb -= second * second / mass
-                pay -= first * level
-                pby -= second * level
-            aa, ab, bb, ay, by = aa + paa, ab + pab, bb + pbb, ay + pay, by + pby
-    return (aa, ab, bb), (ay, by)
+        mass = sums[_MASS, v]
+        if mass <= 0.0:  # all clipped and explained, or nothing counts
+            diffuse[v] = WHITE if is_first else diffuse[v]
+        else:
+            lobe = sums[_FIRST, v] + more_excess * sums[_SECOND, v]
+            diffuse[v] = max((sums[_COLOUR, v] - gloss * lobe) / mass, 0.0)
 
 
 @compiled
 def _stepped(
-    matrix: tuple[float, float, float],
-    vector: tuple[float, float],
-    gloss: float,
-    excess: float,
-    has_excess: bool,
+    matrix: Array, vector: Array, gloss: float, excess: float, has_excess: bool
 ) -> tuple[float, float]:
     """``gloss`` and ``excess`` after one bounded step, with their priors."""
     aa, ab, bb = matrix
@@ -266,15 +354,29 @@ def _stepped(
     return min(max(gloss + step, 0.1 * gloss, LEAST_GLOSS), 1.0), moved
 
 
-@compiled
-def _density(error: float, variance: float, is_bound: bool) -> float:
-    """The Student-t density of an error.
+@vectorised
+def _multiply_densities(
+    of_slot: Slot,
+    lobes: Array32,
+    clipped_lobes: Array32,
+    gloss: float,
+    excess: float,
+    diffuse: Array,
+    densities: Array,
+) -> None:
+    """Multiply in the Student-t density of one observation of each voxel, in one channel.
 
     Of a lower bound it is the probability of anything brighter, in closed form for four degrees of
     freedom.
     """
-    square = 1.0 + error * error / (variance * FREEDOM)
-    if not is_bound:
-        return MAXIMUM / (square * square * math.sqrt(square * variance))
-    u = error / math.sqrt(variance * square)
-    return max(0.5 - 0.375 * (u - u * u * u / 12.0), SMALLEST_TAIL)
+    colours, is_clipped, variances, _ = of_slot
+    for v in range(len(densities)):
+        lobe = lobes[v] + excess * clipped_lobes[v]
+        error = colours[v] - diffuse[v] - gloss * lobe
+        spread = HIGHLIGHT_ERROR * gloss * lobe
+        variance = variances[v] + spread * spread
+        square = 1.0 + error * error / (variance * FREEDOM)
+        root = math.sqrt(square * variance)
+        u = error / root
+        tail = max(0.5 - 0.375 * (u - u * u * u / 12.0), SMALLEST_TAIL)
+        densities[v] *= tail if is_clipped[v] else MAXIMUM / (square * square * root)

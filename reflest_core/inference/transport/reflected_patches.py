@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,33 @@ from reflest_core.inference.transport.patch_grid import PATCHES, patches_of_texe
 from reflest_core.inference.transport.visibility import Sight
 from reflest_core.inference.transport.ward_lobe import HALF_VECTORS, LEVELS
 from reflest_core.jit import compiled, kernel_array
-from reflest_core.light.completion import LightPyramid, halved_to
+from reflest_core.light.completion import CLIPPED, SEEN, LightPyramid, halved_to
+
+
+@dataclass(frozen=True)
+class Reflection:
+    """How R observations respond to each part of the light: a lobe sees few of the P patches.
+
+    Attributes:
+        known: (3, R) float32 radiance of light that was seen, of each channel.
+        starts: (R + 1,) observation r has the entries ``starts[r]:starts[r + 1]``.
+        columns: (E,) of :attr:`.PatchResponse.answers`, from 1, that each entry belongs to.
+        values: (3, E) float32 what the entry adds in each channel.
+    """
+
+    known: NDArray[np.float32]
+    starts: NDArray[np.int64]
+    columns: NDArray[np.int32]
+    values: NDArray[np.float32]
+
+    @property
+    def dense(self) -> PatchResponse:
+        """The same with all the answers that are 0."""
+        answers = np.zeros((*self.known.shape, 1 + 2 * PATCHES), np.float32)
+        answers[..., 0] = self.known
+        rows = np.repeat(np.arange(len(self.starts) - 1), np.diff(self.starts))
+        answers[:, rows, self.columns] = self.values
+        return PatchResponse(answers)
 
 
 def reflection(
@@ -24,7 +51,7 @@ def reflection(
     normals: NDArray[np.float32],
     directions: NDArray[np.float32],
     sight: Sight | None = None,
-) -> PatchResponse:
+) -> Reflection:
     """Compute how glossy observations respond to each part of the light, at ``rho_s = 1``.
 
     Args:
@@ -39,14 +66,15 @@ def reflection(
     level = filled.levels[LEVELS[roughness]]
     excess = halved_to(filled.excess, len(level))
     own = sight.own if sight.is_coloured else np.broadcast_to(sight.own, (1, PATCHES, 3))
-    return PatchResponse(
-        _gather(
+    return Reflection(
+        *_gather(
             level.reshape(-1, 5),
             excess.reshape(-1, 3),
             patches_of_texels(len(level)),
             HALF_VECTORS[roughness],
             kernel_array(normals, np.float32),
             kernel_array(directions, np.float32),
+            sight.rows,
             kernel_array(sight.visible, np.float32),
             kernel_array(own, np.float32),
         )
@@ -73,7 +101,7 @@ def scene_reflection(
     for roughness in np.unique(roughness_of):
         rows = np.flatnonzero(roughness_of == roughness)
         part = reflection(filled, int(roughness), normals[rows], directions[rows], sight.of(rows))
-        answers[:, rows] = part.answers
+        answers[:, rows] = part.dense.answers
     return PatchResponse(answers)
 
 
@@ -85,30 +113,52 @@ def _gather(
     half_vectors: NDArray[np.float32],
     normals: NDArray[np.float32],
     directions: NDArray[np.float32],
+    sight_of: NDArray[np.int64],
     visible: NDArray[np.float32],
     own: NDArray[np.float32],
-) -> NDArray[np.float32]:
-    """Sum the samples of each lobe; ``own`` (1 or O, P, 3): of all observations or of each."""
-    samples, patches = half_vectors.shape[1], visible.shape[1]
-    answers = np.zeros((3, len(normals), 1 + 2 * patches), np.float32)
+) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.int32], NDArray[np.float32]]:
+    """Sum the samples of each lobe, as a :class:`Reflection` has them.
+
+    ``sight_of`` (O,): rows of ``visible`` (R, P) and of ``own`` (1 or R, P, 3).
+    """
+    samples, patches, observations = half_vectors.shape[1], visible.shape[1], len(normals)
+    seen, starts = np.empty((3, observations), np.float32), np.zeros(observations + 1, np.int64)
+    most = 2 * samples * observations
+    columns, values = np.empty(most, np.int32), np.empty((most, 3), np.float32)
     weights, texels = np.empty(samples, np.float32), np.empty(samples, np.int32)
     sizes = np.full(samples, int(math.sqrt(len(light))), np.int32)
     firsts, axes = np.zeros(samples, np.int32), np.empty((3, 3), np.float32)
-    for observation in range(len(normals)):
+    entry_of, known, entries = np.full(1 + 2 * patches, -1, np.int64), np.zeros(3), 0
+    for observation in range(observations):
         fill_axes(normals[observation], axes)
-        hiding = observation if len(own) > 1 else 0
+        row = sight_of[observation]
+        hiding = row if len(own) > 1 else 0
         texels_of_lobes(axes, directions[observation], half_vectors, sizes, firsts, weights, texels)
+        known[:] = 0.0
         for sample in range(samples):
             texel = texels[sample]
             patch = patch_of[texel]
             share = weights[sample] / samples
-            arriving = share * visible[observation, patch]
-            unknown = arriving * (1.0 - light[texel, 3])
+            arriving = share * visible[row, patch]
+            unknown = arriving * (1.0 - light[texel, SEEN])
             for channel in range(3):
                 radiance = light[texel, channel]
-                answer = answers[channel, observation]
-                answer[0] += (arriving - unknown) * radiance
-                answer[0] += (share - arriving) * own[hiding, patch, channel]
-                answer[1 + patch] += unknown * radiance
-                answer[1 + patches + patch] += arriving * beyond_white[texel, channel]
-    return answers
+                known[channel] += (arriving - unknown) * radiance
+                known[channel] += (share - arriving) * own[hiding, patch, channel]
+            for column in (1 + patch, 1 + patches + patch):
+                is_unseen = column <= patches
+                if (unknown if is_unseen else light[texel, CLIPPED]) <= 0.0:
+                    continue
+                if entry_of[column] < 0:
+                    entry_of[column], columns[entries], values[entries] = entries, column, 0.0
+                    entries += 1
+                value = values[entry_of[column]]
+                for channel in range(3):
+                    of_light = unknown * light[texel, channel]
+                    beyond = arriving * beyond_white[texel, channel]
+                    value[channel] += of_light if is_unseen else beyond
+        for channel in range(3):
+            seen[channel, observation] = known[channel]
+        starts[observation + 1] = entries
+        entry_of[columns[starts[observation] : entries]] = -1
+    return seen, starts, columns[:entries].copy(), values[:entries].T.copy()

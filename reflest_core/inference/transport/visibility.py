@@ -10,7 +10,7 @@ hides nothing.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,10 +34,12 @@ class Sight:
         visible: (R, P) float32 in [0, 1], the share of each patch's light that arrives.
         own: the mean linear radiance that the scan sends from where it hides the light: (3,)
             float32 of all, or (R, P, 3) of each patch, 0 where it hides nothing.
+        selected: (N,) indices of the R rows that are meant; None for all in their order.
     """
 
     visible: NDArray[np.float32]
     own: NDArray[np.float32]
+    selected: NDArray[np.int64] | None = None
 
     @staticmethod
     def open(count: int) -> Sight:
@@ -49,12 +51,17 @@ class Sight:
         return Sight(np.ones((count, PATCHES), np.float32), np.zeros(3, np.float32))
 
     def of(self, rows: NDArray[np.int64]) -> Sight:
-        """Select rows.
+        """Select rows, without a copy.
 
         Args:
             rows: (N,) indices of voxels or observations.
         """
-        return Sight(self.visible[rows], self.own[rows] if self.is_coloured else self.own)
+        return replace(self, selected=self.rows[rows])
+
+    @property
+    def rows(self) -> NDArray[np.int64]:
+        """(N,) indices of the rows that are meant."""
+        return np.arange(len(self.visible)) if self.selected is None else self.selected
 
     @property
     def is_coloured(self) -> bool:

@@ -112,8 +112,8 @@ def _flat(level: NDArray[np.float32]) -> NDArray[np.float32]:
     return level.reshape(-1, 5)
 
 
-def _patches(level: NDArray[np.float32]) -> NDArray[np.int64]:
-    return patches_of_texels(len(level))
+def _patches(level: NDArray[np.float32]) -> NDArray[np.uint8]:
+    return patches_of_texels(len(level)).astype(np.uint8)  # small, to stay in the fastest cache
 
 
 def _gathered(
@@ -140,6 +140,7 @@ def _gathered(
         samples,
         kernel_array(normals, np.float32),
         kernel_array(directions, np.float32),
+        sight.rows,
         kernel_array(sight.visible, np.float32),
         kernel_array(sight.own, np.float32),
     )
@@ -148,17 +149,21 @@ def _gathered(
 @compiled
 def _gather(
     lights: NDArray[np.float32],
-    patch_of: NDArray[np.int64],
+    patch_of: NDArray[np.uint8],
     firsts: NDArray[np.int32],
     sizes: NDArray[np.int32],
     half_vectors: NDArray[np.float32],
     samples: int,
     normals: NDArray[np.float32],
     directions: NDArray[np.float32],
+    sight_of: NDArray[np.int64],
     visible: NDArray[np.float32],
     own: NDArray[np.float32],
 ) -> NDArray[np.float32]:
-    """Sum the samples of each lobe, ``samples`` of ``half_vectors`` (3, K * S) to each."""
+    """Sum the samples of each lobe, ``samples`` of ``half_vectors`` (3, K * S) to each.
+
+    ``sight_of`` (O,): rows of ``visible`` (R, P).
+    """
     roughnesses = len(sizes) // samples
     gathered = np.empty((len(normals), roughnesses, 5), np.float32)
     weights, texels = np.empty(len(sizes), np.float32), np.empty(len(sizes), np.int32)
@@ -166,13 +171,14 @@ def _gather(
     for observation in range(len(normals)):
         fill_axes(normals[observation], axes)
         texels_of_lobes(axes, directions[observation], half_vectors, sizes, firsts, weights, texels)
+        arrives = visible[sight_of[observation]]
         for roughness in range(roughnesses):
             none = np.float32(0.0)
             total, red, green, blue, seen, clipped = none, none, none, none, none, none
             arriving = none
             for sample in range(roughness * samples, (roughness + 1) * samples):
                 texel = texels[sample]
-                weight = weights[sample] * visible[observation, patch_of[texel]]
+                weight = weights[sample] * arrives[patch_of[texel]]
                 total += weights[sample]
                 arriving += weight
                 red += weight * lights[texel, 0]
@@ -192,17 +198,18 @@ def _gather(
 @compiled
 def _gather_coloured(
     lights: NDArray[np.float32],
-    patch_of: NDArray[np.int64],
+    patch_of: NDArray[np.uint8],
     firsts: NDArray[np.int32],
     sizes: NDArray[np.int32],
     half_vectors: NDArray[np.float32],
     samples: int,
     normals: NDArray[np.float32],
     directions: NDArray[np.float32],
+    sight_of: NDArray[np.int64],
     visible: NDArray[np.float32],
     own: NDArray[np.float32],
 ) -> NDArray[np.float32]:
-    """Do as :func:`_gather` where what hides patches is seen, in the colours ``own`` (O, P, 3)."""
+    """Do as :func:`_gather` where what hides patches is seen, in the colours ``own`` (R, P, 3)."""
     roughnesses = len(sizes) // samples
     gathered = np.empty((len(normals), roughnesses, 5), np.float32)
     weights, texels = np.empty(len(sizes), np.float32), np.empty(len(sizes), np.int32)
@@ -210,18 +217,19 @@ def _gather_coloured(
     for observation in range(len(normals)):
         fill_axes(normals[observation], axes)
         texels_of_lobes(axes, directions[observation], half_vectors, sizes, firsts, weights, texels)
+        arrives, colours = visible[sight_of[observation]], own[sight_of[observation]]
         for roughness in range(roughnesses):
             none = np.float32(0.0)
             total, red, green, blue, known, clipped = none, none, none, none, none, none
             for sample in range(roughness * samples, (roughness + 1) * samples):
                 texel = texels[sample]
                 patch = patch_of[texel]
-                weight = weights[sample] * visible[observation, patch]
+                weight = weights[sample] * arrives[patch]
                 hidden = weights[sample] - weight
                 total += weights[sample]
-                red += weight * lights[texel, 0] + hidden * own[observation, patch, 0]
-                green += weight * lights[texel, 1] + hidden * own[observation, patch, 1]
-                blue += weight * lights[texel, 2] + hidden * own[observation, patch, 2]
+                red += weight * lights[texel, 0] + hidden * colours[patch, 0]
+                green += weight * lights[texel, 1] + hidden * colours[patch, 1]
+                blue += weight * lights[texel, 2] + hidden * colours[patch, 2]
                 known += weight * lights[texel, 3] + hidden
                 clipped += weight * lights[texel, 4]
             place = gathered[observation, roughness]

@@ -62,7 +62,7 @@ def test_what_was_seen_and_what_was_not_add_up_to_the_lobe():
     sample = ball(sky(), ALBEDO, 0.3, ROUGHNESS)
     normals = sample.normals[sample.voxel_of]
     for roughness in (0, ROUGHNESS, 7):
-        parts = reflection(light, roughness, normals, sample.directions)
+        parts = reflection(light, roughness, normals, sample.directions).dense
         lobes = lobe_radiance(light, normals, sample.directions)[:, roughness]
         np.testing.assert_allclose(parts.seen + parts.unseen.sum(axis=1), lobes[:, :3], atol=1e-5)
     assert (parts.unseen.sum(axis=(1, 2)) > 0.0).any()
@@ -74,7 +74,7 @@ def test_clipped_directions_answer_to_an_excess():
     clipped[octahedral_directions(SIZE)[..., 2] > 0.8] = 1.0
     whole = ObservedLight(np.ones_like(clipped), np.ones((SIZE, SIZE), np.float32), clipped)
     up = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]], np.float32)
-    parts = reflection(complete(whole), 0, up, up)
+    parts = reflection(complete(whole), 0, up, up).dense
     np.testing.assert_allclose(parts.excess[0].sum(axis=0), 1.0, atol=0.02)
     assert parts.excess[1].sum() == 0.0
     assert not parts.unseen.any()

@@ -44,7 +44,7 @@ def test_surfaces_answer_by_channel():
     light = sky((90, 200, 255))
     filled = complete(light)
     shaded = diffuse_response(LightParts.of(light, filled), incoming(cosine_weights(UP)))
-    mirrored = reflection(filled, 4, UP, UP)
+    mirrored = reflection(filled, 4, UP, UP).dense
     for parts in (shaded, mirrored):
         excess = parts.excess[0].sum(axis=0)
         assert (excess[:2] == 0.0).all()

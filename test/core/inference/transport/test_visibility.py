@@ -139,7 +139,7 @@ def test_parts_of_the_light_add_up_past_what_is_hidden():
     whole = mean_radiance(filled, sample.normals, sight)[:, :3]
     np.testing.assert_allclose(parts.seen + parts.unseen.sum(axis=1), whole, rtol=0.05)
     normals, of_observations = sample.normals[sample.voxel_of], sight.of(sample.voxel_of)
-    mirrored = reflection(filled, 4, normals, sample.directions, of_observations)
+    mirrored = reflection(filled, 4, normals, sample.directions, of_observations).dense
     lobes = lobe_radiance(filled, normals, sample.directions, of_observations)[:, 4, :3]
     np.testing.assert_allclose(mirrored.seen + mirrored.unseen.sum(axis=1), lobes, atol=1e-5)
 
