@@ -87,7 +87,7 @@ class FrameAssembler:
         self._poses.forget_world()
 
     def refuse(self, refusal: FrameRefused) -> None:
-        """Count a refusal, of this stage or of a later one, and tell the listener.
+        """Count a refusal, of this stage or of a later one, and notify the listener.
 
         Args:
             refusal: with its cause and sentence.

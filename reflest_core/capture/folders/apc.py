@@ -9,24 +9,20 @@ projected into the colour camera without filling, in units of 0.1 mm with rotate
 from __future__ import annotations
 
 import re
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.folders.files import (
-    FRAME_RATE,
     Pinhole,
     by_number,
     camera_info,
-    colour_message,
-    depth_message,
     image_size,
     pinhole_of,
     read_text,
 )
-from reflest_core.capture.folders.frame_folder import FolderFrame, FrameFolder
+from reflest_core.capture.folders.frame_folder import FrameFolder, numbered_frames
 from reflest_core.capture.folders.seven_scenes import COLOUR_NAME, DEPTH_NAME
 from reflest_core.capture.refusal import CaptureError
 from reflest_core.capture.settings import ROTATED_SCALE
@@ -54,18 +50,7 @@ def open_apc(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
         if COLOUR_TITLE not in matrices:
             raise CaptureError(f"{folder / INFO} has no {COLOUR_TITLE!r}: give --intrinsics")
         pinhole = pinhole_of(matrices[COLOUR_TITLE])
-    frames = []
-    for index, colour in colours.items():
-        stamp_ns = index * 10**9 // FRAME_RATE
-        depth = depths.get(index)
-        frames.append(
-            FolderFrame(
-                stamp_ns,
-                partial(colour_message, colour, stamp_ns),
-                None if depth is None else partial(depth_message, depth, stamp_ns),
-                poses.get(index),
-            )
-        )
+    frames = numbered_frames(colours, depths, poses.get)
     size = image_size(next(iter(colours.values()))) if colours else (0, 0)
     return FrameFolder(
         folder,

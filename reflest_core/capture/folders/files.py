@@ -70,13 +70,18 @@ def read_matrix(path: Path, *shapes: tuple[int, int]) -> NDArray[np.float64] | N
     return matrix if matrix.shape in shapes else None
 
 
-def read_pose(path: Path) -> NDArray[np.float64]:
-    """Return the 4 x 4 matrix in a file; NaN where it holds none, so that it is refused.
+def pose_in(path: Path) -> NDArray[np.float64] | None:
+    """Return the 4 x 4 matrix in a file.
 
     Args:
         path: The file.
+
+    Returns:
+        The matrix; NaN where the file holds none, so that it is refused; None without a file.
     """
-    matrix = read_matrix(path, (4, 4)) if path.is_file() else None
+    if not path.is_file():
+        return None
+    matrix = read_matrix(path, (4, 4))
     return np.full((4, 4), np.nan) if matrix is None else matrix
 
 
@@ -169,15 +174,18 @@ def image_size(path: Path) -> tuple[int, int]:
     return int(pixels.shape[1]), int(pixels.shape[0])
 
 
-def folder_pinhole(folder: Path, names: Sequence[str] = INTRINSICS) -> Pinhole:
+def folder_pinhole(
+    folder: Path, names: Sequence[str] = INTRINSICS, usual: Pinhole | None = None
+) -> Pinhole:
     """Return fx, fy, cx, cy from the 3 x 3 (or 4 x 4) matrix beside the frames.
 
     Args:
         folder: It, or its parent, holds the file.
         names: Names that the file may have.
+        usual: What stands for a file that is not there; None: it is needed.
 
     Raises:
-        CaptureError: There is no such file, or it holds something else.
+        CaptureError: There is no such file and it is needed, or it holds something else.
     """
     for place in (folder, folder.absolute().parent):
         for path in (place / name for name in names):
@@ -187,6 +195,8 @@ def folder_pinhole(folder: Path, names: Sequence[str] = INTRINSICS) -> Pinhole:
             if matrix is None:
                 raise CaptureError(f"{path} does not hold a 3 x 3 camera matrix")
             return pinhole_of(matrix)
+    if usual is not None:
+        return usual
     raise CaptureError(
         f"{folder} has no {names[0]} (3 x 3 matrix): add it or give --intrinsics FX FY CX CY"
     )

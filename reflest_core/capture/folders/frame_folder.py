@@ -4,19 +4,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.capture.folders.files import ReadImage, pose_message, resized
-from reflest_core.capture.images.compressed import packed_size
+from reflest_core.capture.folders.files import (
+    FRAME_RATE,
+    ReadImage,
+    colour_message,
+    depth_message,
+    pose_message,
+    resized,
+)
+from reflest_core.capture.images.compressed import pixel_size
 from reflest_core.capture.messages import (
     AnyImage,
     CameraInfoMessage,
-    ImageMessage,
     Role,
     SensorMessage,
 )
@@ -128,7 +135,7 @@ class FrameFolder:
                 yield Role.POSE, pose_message(frame.pose, frame.stamp_ns)
             depth = self._read(frame.depth, refuse)
             if depth is not None:
-                size = _size(depth)
+                size = pixel_size(depth)
                 if self._shares_view and size and size != (info.width, info.height):
                     yield Role.DEPTH_INFO, replace(resized(info, size), stamp_ns=frame.stamp_ns)
                 yield Role.DEPTH, depth
@@ -149,5 +156,38 @@ class FrameFolder:
             return None
 
 
-def _size(image: AnyImage) -> tuple[int, int] | None:
-    return (image.width, image.height) if isinstance(image, ImageMessage) else packed_size(image)
+def usual_stamp(index: int) -> int:
+    """Return the stamp of a frame whose format has no time, in nanoseconds.
+
+    Args:
+        index: The frame's number.
+    """
+    return index * 10**9 // FRAME_RATE
+
+
+def numbered_frames(
+    colours: Mapping[int, Path],
+    depths: Mapping[int, Path],
+    pose_of: Callable[[int], NDArray[np.float64] | None],
+    stamp_of: Callable[[int], int] = usual_stamp,
+) -> list[FolderFrame]:
+    """Make the frames of a format whose files are numbered.
+
+    Args:
+        colours: Colour images by their numbers.
+        depths: Depth maps by their numbers.
+        pose_of: Called with each frame's number for its pose, see :class:`FolderFrame`.
+        stamp_of: Called with each frame's number for its stamp, nanoseconds.
+    """
+    frames = []
+    for index, colour in colours.items():
+        stamp_ns, depth = stamp_of(index), depths.get(index)
+        frames.append(
+            FolderFrame(
+                stamp_ns,
+                partial(colour_message, colour, stamp_ns),
+                None if depth is None else partial(depth_message, depth, stamp_ns),
+                pose_of(index),
+            )
+        )
+    return frames

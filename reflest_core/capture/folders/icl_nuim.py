@@ -8,25 +8,21 @@ world are mirrored along y here, which gives a right-handed world with the same 
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.folders.files import (
-    FRAME_RATE,
     UNREADABLE,
     Pinhole,
     by_number,
     camera_info,
-    colour_message,
-    depth_message,
     folder_pinhole,
     image_size,
     read_text,
 )
-from reflest_core.capture.folders.frame_folder import FolderFrame, FrameFolder
+from reflest_core.capture.folders.frame_folder import FrameFolder, numbered_frames
 from reflest_core.capture.pose import rigid_matrix
 from reflest_core.capture.refusal import CaptureError
 
@@ -52,21 +48,8 @@ def open_icl_nuim(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
         raise CaptureError(f"{folder} holds no rgb/*.png")
     poses = _poses(min(folder.glob(f"*{TRAJECTORY}")))
     if pinhole is None:
-        try:
-            pinhole = folder_pinhole(folder)
-        except CaptureError:
-            pinhole = PINHOLE
-    frames = []
-    for index, colour in colours.items():
-        stamp_ns, depth = index * 10**9 // FRAME_RATE, depths.get(index)
-        frames.append(
-            FolderFrame(
-                stamp_ns,
-                partial(colour_message, colour, stamp_ns),
-                None if depth is None else partial(depth_message, depth, stamp_ns),
-                poses.get(index),
-            )
-        )
+        pinhole = folder_pinhole(folder, usual=PINHOLE)
+    frames = numbered_frames(colours, depths, poses.get)
     fx, fy, cx, cy = pinhole
     size = image_size(next(iter(colours.values())))
     info = camera_info((fx, abs(fy), cx, cy), size)

@@ -35,7 +35,10 @@ from reflest_core.capture.refusal import CaptureError
 TRANSFORMS = "transforms.json"
 FROM_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
 PLUMB_BOB, FISHEYE = ("k1", "k2", "p1", "p2", "k3"), ("k1", "k2", "k3", "k4")
-CAMERA_KEYS = ("fl_x", "fl_y", "cx", "cy", "w", "h", "camera_angle_x", *PLUMB_BOB, "k4")
+CAMERA_KEYS = (
+    *("camera_model", "fl_x", "fl_y", "cx", "cy", "w", "h", "camera_angle_x"),
+    *(*PLUMB_BOB, "k4"),
+)
 
 
 def open_nerfstudio(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
@@ -54,13 +57,15 @@ def open_nerfstudio(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
         listed = sorted(document["frames"], key=lambda frame: str(frame["file_path"]))
         if not any("depth_file_path" in frame for frame in listed):
             raise CaptureError(f"{path} has no depth_file_path: reflest needs depth maps")
-        frames, common = [], None
+        frames: list[FolderFrame] = []
+        shared: CameraInfoMessage | None = None
         for index, frame in enumerate(listed):
             stamp_ns = index * 10**9 // FRAME_RATE
             colour = _image_path(folder, str(frame["file_path"]))
-            if common is None or any(key in frame for key in CAMERA_KEYS):
+            if any(key in frame for key in CAMERA_KEYS):
                 info = _camera({**document, **frame}, colour, pinhole, path)
-                common = common or info
+            else:
+                info = shared = shared or _camera(document, colour, pinhole, path)
             depth = frame.get("depth_file_path")
             matrix = np.array(frame["transform_matrix"], np.float64)
             if matrix.shape != (4, 4):
@@ -77,6 +82,7 @@ def open_nerfstudio(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
     except UNREADABLE as error:
         reason = f"{error.args[0]} is missing" if isinstance(error, KeyError) else str(error)
         raise CaptureError(f"{path} cannot be read: {reason}") from error
+    common = frames[0].camera_info if frames else None
     if common is None:
         raise CaptureError(f"{path} lists no frames")
     return FrameFolder(

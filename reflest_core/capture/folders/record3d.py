@@ -10,7 +10,6 @@ colour, of the same view.
 from __future__ import annotations
 
 import json
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,14 +21,12 @@ from reflest_core.capture.folders.files import (
     Pinhole,
     by_number,
     camera_info,
-    colour_message,
-    depth_message,
     image_size,
     pinhole_of,
     read_text,
     stamp_of,
 )
-from reflest_core.capture.folders.frame_folder import FolderFrame, FrameFolder
+from reflest_core.capture.folders.frame_folder import FrameFolder, numbered_frames
 from reflest_core.capture.folders.nerfstudio import FROM_OPENGL
 from reflest_core.capture.pose import rigid_matrix
 from reflest_core.capture.refusal import CaptureError
@@ -62,17 +59,12 @@ def open_record3d(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
     depths = by_number(place / "depth", r"(\d+)\.(?:exr|npy|png|tiff?)")
     if not colours:
         raise CaptureError(f"{place} holds no rgb/*.jpg: export a recording as EXR + RGB")
-    frames = []
-    for index, colour in colours.items():
-        stamp_ns, depth = stamp_of(index / rate), depths.get(index)
-        frames.append(
-            FolderFrame(
-                stamp_ns,
-                partial(colour_message, colour, stamp_ns),
-                None if depth is None else partial(depth_message, depth, stamp_ns),
-                poses[index] if index < len(poses) else None,
-            )
-        )
+    frames = numbered_frames(
+        colours,
+        depths,
+        lambda index: poses[index] if index < len(poses) else None,
+        lambda index: stamp_of(index / rate),
+    )
     size = image_size(next(iter(colours.values())))
     return FrameFolder(
         folder,

@@ -9,25 +9,21 @@ the folder or above it, has the calibration and how many units of depth a metre 
 from __future__ import annotations
 
 import json
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from reflest_core.capture.folders.files import (
-    FRAME_RATE,
     UNREADABLE,
     Pinhole,
     by_number,
     camera_info,
-    colour_message,
-    depth_message,
     folder_pinhole,
     image_size,
     read_text,
 )
-from reflest_core.capture.folders.frame_folder import FolderFrame, FrameFolder
+from reflest_core.capture.folders.frame_folder import FrameFolder, numbered_frames
 from reflest_core.capture.refusal import CaptureError
 
 TRAJECTORY, IMAGES, CAMERA = "traj.txt", "results", "cam_params.json"
@@ -62,18 +58,9 @@ def open_replica(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
         pinhole = camera["fx"], camera["fy"], camera["cx"], camera["cy"]
     if pinhole is None:
         pinhole = folder_pinhole(folder)
-    frames = []
-    for index, colour in colours.items():
-        stamp_ns = index * 10**9 // FRAME_RATE
-        depth = depths.get(index)
-        frames.append(
-            FolderFrame(
-                stamp_ns,
-                partial(colour_message, colour, stamp_ns),
-                None if depth is None else partial(depth_message, depth, stamp_ns),
-                poses[index] if index < len(poses) else None,
-            )
-        )
+    frames = numbered_frames(
+        colours, depths, lambda index: poses[index] if index < len(poses) else None
+    )
     size = image_size(next(iter(colours.values())))
     scale = 1.0 / float(camera.get("scale", UNITS_A_METRE))
     depths_at, poses_at = f"{IMAGES}/depth*.png", f"poses of its frames in {TRAJECTORY}"

@@ -9,21 +9,17 @@ where tracking was lost.
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 
 from reflest_core.capture.folders.files import (
-    FRAME_RATE,
     Pinhole,
     by_number,
     camera_info,
-    colour_message,
-    depth_message,
     folder_pinhole,
     image_size,
-    read_pose,
+    pose_in,
 )
-from reflest_core.capture.folders.frame_folder import FolderFrame, FrameFolder
+from reflest_core.capture.folders.frame_folder import FrameFolder, numbered_frames
 from reflest_core.capture.refusal import CaptureError
 
 COLOUR, DEPTH, POSE = "color", "depth", "pose"
@@ -47,18 +43,8 @@ def open_scannet(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
     place = place if place.is_dir() else folder
     if pinhole is None:
         pinhole = folder_pinhole(place, ("intrinsic_color.txt", "camera-intrinsics.txt"))
-    frames = []
-    for index, colour in colours.items():
-        stamp_ns = index * 10**9 // FRAME_RATE
-        depth, pose = depths.get(index), folder / POSE / f"{colour.stem}.txt"
-        frames.append(
-            FolderFrame(
-                stamp_ns,
-                partial(colour_message, colour, stamp_ns),
-                None if depth is None else partial(depth_message, depth, stamp_ns),
-                read_pose(pose) if pose.is_file() else None,
-            )
-        )
+    poses = {index: folder / POSE / f"{colour.stem}.txt" for index, colour in colours.items()}
+    frames = numbered_frames(colours, depths, lambda index: pose_in(poses[index]))
     size, depth_size = (image_size(next(iter(files.values()))) for files in (colours, depths))
     depth_info = None
     if depth_size != size and (place / "intrinsic_depth.txt").is_file():

@@ -12,26 +12,22 @@ with rotated bits (from the Amazon Picking Challenge) are known by their calibra
 from __future__ import annotations
 
 import re
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from reflest_core.capture.folders.files import (
-    FRAME_RATE,
     INTRINSICS,
     Pinhole,
     by_number,
     camera_info,
-    colour_message,
-    depth_message,
     folder_pinhole,
     image_size,
     pinhole_of,
-    read_pose,
+    pose_in,
     read_text,
 )
-from reflest_core.capture.folders.frame_folder import FolderFrame, FrameFolder
+from reflest_core.capture.folders.frame_folder import FrameFolder, numbered_frames
 from reflest_core.capture.messages import CameraInfoMessage
 from reflest_core.capture.refusal import CaptureError
 from reflest_core.capture.settings import ROTATED_SCALE
@@ -57,19 +53,10 @@ def open_seven_scenes(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
     depths = by_number(folder, DEPTH_NAME)
     if not colours:
         raise CaptureError(f"{folder} holds no frame-*.color.png or .jpg")
-    frames = []
-    for index, colour in colours.items():
-        stamp_ns = index * 10**9 // FRAME_RATE
-        pose = folder / f"{colour.name.split('.')[0]}.pose.txt"
-        depth = depths.get(index)
-        frames.append(
-            FolderFrame(
-                stamp_ns,
-                partial(colour_message, colour, stamp_ns),
-                None if depth is None else partial(depth_message, depth, stamp_ns),
-                read_pose(pose) if pose.is_file() else None,
-            )
-        )
+    poses = {
+        index: folder / f"{colour.name.split('.')[0]}.pose.txt" for index, colour in colours.items()
+    }
+    frames = numbered_frames(colours, depths, lambda index: pose_in(poses[index]))
     size = image_size(next(iter(colours.values())))
     given = _calibrations(folder)
     if pinhole is None:

@@ -1,3 +1,3 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Readers of recordings: MCAP, rosbag2 databases and image folders."""
+"""Readers of recordings: MCAP files and rosbag2 databases."""

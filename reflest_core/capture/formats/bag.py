@@ -44,13 +44,8 @@ class Bag:
             choice: Topics that the user named.
             pose_source: ``pose``, ``odom`` or ``tf``.
 
-        Args:
-            path: the file or folder.
-            choice: topics that the user named.
-            pose_source: parameter ``capture.pose_source``.
-
         Raises:
-            CaptureError: if nothing can be read, or the topics are missing or ambiguous.
+            CaptureError: Nothing can be read, or the topics are missing or ambiguous.
         """
         self.name = str(path)
         self._notes: list[str] = []
@@ -90,9 +85,8 @@ class Bag:
 
     def _read(self, raw: RawMessage) -> SensorMessage:
         cdr = raw.cdr
-        if cdr.startswith(
-            ZSTD_MAGIC
-        ):  # no CDR does: message-compressed, whatever metadata.yaml says
+        # No CDR begins so: the message is compressed, whatever metadata.yaml says.
+        if cdr.startswith(ZSTD_MAGIC):
             try:
                 reader = zstandard.ZstdDecompressor().stream_reader(cdr)
                 cdr = reader.read(LARGEST_MESSAGE)

@@ -67,7 +67,7 @@ def read_records(stream: IO[bytes], offset: int) -> Iterator[Record]:
 
 
 def has_loose_messages(stream: IO[bytes], offset: int, chunks: dict[int, int]) -> bool:
-    """Tell whether a file with chunks also holds messages outside of them.
+    """Check whether a file with chunks also holds messages outside of them.
 
     Args:
         stream: The file.

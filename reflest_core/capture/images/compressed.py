@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from reflest_core.capture.images.compressed_header import CompressedHeader, read_header
 from reflest_core.capture.images.rvl import decode_rvl
-from reflest_core.capture.messages import CompressedImageMessage
+from reflest_core.capture.messages import AnyImage, CompressedImageMessage, ImageMessage
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 
 MOST_PIXELS = 2**26  # a larger one is refused before it is unpacked into memory
@@ -69,15 +69,17 @@ def decode_compressed_depth(
     return np.where(units == 0, np.float32(0.0), metres)
 
 
-def packed_size(message: CompressedImageMessage) -> tuple[int, int] | None:
-    """Return width and height from a compressed image's header, without unpacking it.
+def pixel_size(message: AnyImage) -> tuple[int, int] | None:
+    """Return width and height of an image; a compressed one is not unpacked.
 
     Args:
-        message: Any compressed image.
+        message: Any image.
 
     Returns:
-        The size in pixels, or None where the header cannot be read.
+        The size in pixels, or None where a compressed image's header cannot be read.
     """
+    if isinstance(message, ImageMessage):
+        return message.width, message.height
     start = DEPTH_HEADER.size if "compressedDepth" in message.format else 0
     data = np.frombuffer(message.data, np.uint8)[start:]
     if message.format.endswith("compressedDepth rvl"):

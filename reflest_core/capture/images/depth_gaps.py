@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from reflest_core.jit import compiled
 
 STRIDE = 7
-"""Every so-manieth row is looked at to tell whether a depth map has gaps."""
+"""Rows of which one is checked for gaps."""
 SPARSE = 0.08
 """Depth maps have gaps in a grid where there are so many, for each valid pixel, along the rows."""
 REACH = 2
@@ -41,7 +41,7 @@ def fill_gaps(depth: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def has_gaps(depth: NDArray[np.float32]) -> bool:
-    """Tell whether rows are broken by gaps of one or two pixels far more often than by holes.
+    """Check whether rows are broken by gaps of one or two pixels far more often than by holes.
 
     Args:
         depth: (H, W) metres, 0 where unknown.

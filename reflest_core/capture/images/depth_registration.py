@@ -21,18 +21,19 @@ def register_depth(
     T_colour_depth: NDArray[np.float64],
     colour_camera: CameraIntrinsics,
 ) -> NDArray[np.float32]:
-    """Return depth registered to the colour camera, (H, W) float32 metres of its image size.
+    """Register depth to another camera.
 
-    ``depth``: (h, w) metres along the depth camera's axis, 0 where unknown. ``T_colour_depth``:
-    (4, 4), the depth camera's optical frame in the colour camera's. A depth pixel covers the
-    upright box around its projected corners; where several cover a pixel, the nearest hides the
-    others. 0 where none does.
+    A depth pixel covers the upright box around its projected corners; where several cover a pixel,
+    the nearest hides the others.
 
     Args:
-        depth: (H, W) float32, metres, 0 where unknown.
-        depth_camera: intrinsics of the depth image.
-        T_colour_depth: (4, 4) the depth camera in the colour camera.
-        colour_camera: intrinsics of the colour image.
+        depth: (h, w) float32, metres along the depth camera's axis, 0 where unknown.
+        depth_camera: Intrinsics of the depth image.
+        T_colour_depth: (4, 4) the depth camera's optical frame in the colour camera's.
+        colour_camera: Intrinsics of the colour image.
+
+    Returns:
+        (H, W) float32 metres, of the colour image's size; 0 where no depth pixel falls.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         turned = colour_camera.matrix @ T_colour_depth[:3, :3] @ np.linalg.inv(depth_camera.matrix)

@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.camera_info import CalibratedCamera
-from reflest_core.capture.images.compressed import packed_size
+from reflest_core.capture.images.compressed import pixel_size
 from reflest_core.capture.images.depth_registration import along_axis, register_depth
 from reflest_core.capture.images.rectify import CheckedCamera
 from reflest_core.capture.messages import (
     AnyImage,
     CameraInfoMessage,
-    ImageMessage,
     Match,
     Role,
     plain_frame,
@@ -58,7 +57,7 @@ class DepthAlignment:
         )
 
     def is_needed(self, rgb: AnyImage, depth: AnyImage) -> bool:
-        """Tell whether depth must be registered: it is in another frame, or of another size.
+        """Check whether depth must be registered: it is in another frame, or of another size.
 
         Args:
             rgb: The colour image.
@@ -66,11 +65,11 @@ class DepthAlignment:
         """
         if self._is_apart(rgb, depth):
             return True
-        sizes = {_size(rgb), _size(depth)}
+        sizes = {pixel_size(rgb), pixel_size(depth)}
         return len(sizes) == 2 and None not in sizes
 
     def is_decided(self, rgb: AnyImage, depth: AnyImage, info: CameraInfoMessage | None) -> bool:
-        """Tell whether no later message can change what becomes of the depth image.
+        """Check whether no later message can change what becomes of the depth image.
 
         Args:
             rgb: The colour image.
@@ -165,10 +164,3 @@ class DepthAlignment:
                 f"{self._topics[Role.DEPTH]} cannot be registered to colour: {refusal}; or set "
                 "capture.depth_to_rgb",
             ) from refusal
-
-
-def _size(image: AnyImage) -> tuple[int, int] | None:
-    """Width and height, of a compressed image from its header; None where that says nothing."""
-    if isinstance(image, ImageMessage):
-        return image.width, image.height
-    return packed_size(image)

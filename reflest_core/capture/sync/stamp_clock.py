@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Tells a clock that was set back from one wrong stamp and from a message that came late."""
+"""Distinguishes a clock that was set back from one wrong stamp and from a late message."""
 
 from __future__ import annotations
 

@@ -303,6 +303,24 @@ def test_a_nerfstudio_camera_may_be_a_fisheye_and_differ_from_frame_to_frame(tmp
         open_capture(tmp_path / "folder")
 
 
+def test_a_nerfstudio_frame_without_a_camera_of_its_own_has_the_shared_one(tmp_path):
+    WRITERS["nerfstudio"](tmp_path / "folder", 3)
+    path = tmp_path / "folder/transforms.json"
+    document = json.loads(path.read_text())
+    document["frames"].sort(key=lambda frame: frame["file_path"])
+    document["frames"][0]["fl_x"] = 90.0
+    path.write_text(json.dumps(document))
+    frames = list(open_capture(tmp_path / "folder"))
+    assert [frame.intrinsics.fx for frame in frames] == [90.0, FOCAL, FOCAL]
+
+
+def test_icl_nuims_own_camera_does_not_hide_a_damaged_calibration(tmp_path):
+    WRITERS["icl_nuim"](tmp_path / "folder", 1)
+    (tmp_path / "folder/camera-intrinsics.txt").write_text("500 0 320")
+    with pytest.raises(CaptureError, match=r"camera-intrinsics\.txt does not hold"):
+        open_capture(tmp_path / "folder")
+
+
 @pytest.mark.parametrize(
     ("name", "least"), [("redkitchen", 100), ("shelf_label_fusion", 15), ("bin_apc", 15)]
 )
