@@ -28,10 +28,12 @@ def check_writable(path: Path) -> None:
         path: The file.
 
     Raises:
-        OutputError: Its folder does not exist or is read-only, or it is no regular file.
+        OutputError: Its folder does not exist or is read-only, it is no regular file, or its name
+            is too long.
     """
-    folder = Path(os.path.realpath(path)).parent
-    if not folder.is_dir():
+    target = Path(os.path.realpath(path))
+    folder = target.parent
+    if not os.path.isdir(folder):
         raise OutputError(f"cannot write {path}: the folder {folder} does not exist")
     if os.path.isdir(path):
         raise OutputError(f"cannot write {path}: it is a folder; name a file")
@@ -39,6 +41,8 @@ def check_writable(path: Path) -> None:
         raise OutputError(f"cannot write {path}: it is no regular file; name a file")
     if not os.access(folder, os.W_OK):
         raise OutputError(f"cannot write {path}: the folder {folder} is read-only")
+    if len(os.fsencode(_partial(target).name)) > os.pathconf(folder, "PC_NAME_MAX"):
+        raise OutputError(f"cannot write {path}: its name is too long; choose a shorter one")
 
 
 @contextmanager

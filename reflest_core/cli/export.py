@@ -187,23 +187,18 @@ def _scanned(options: argparse.Namespace) -> Pipeline:
     """The saved scan, or a scan of all frames of the capture."""
     from tqdm import tqdm
 
-    from reflest_core.capture.open_capture import open_capture
     from reflest_core.capture.refusal import CaptureError, FrameRefused
-    from reflest_core.cli.replay_options import replay_settings, topic_choice
+    from reflest_core.cli.scan_settings import scan_settings
+    from reflest_core.cli.source import open_source
     from reflest_core.estimation.pipeline import Pipeline
 
-    source: Path = options.capture
-    settings = replay_settings(options)
+    settings = scan_settings(options)
     pipeline = Pipeline(settings)
-    if is_saved(source):
-        pipeline.load(source)
+    if is_saved(options.capture):
+        pipeline.load(options.capture)
         return pipeline
-    capture = open_capture(
-        source,
-        topic_choice(options),
-        settings.capture,
-        tuple(options.intrinsics) if options.intrinsics else None,
-        on_clock_jump=lambda _: pipeline.restart_clock(),
+    capture = open_source(
+        options, settings.capture, on_clock_jump=lambda _: pipeline.restart_clock()
     )
     fused = 0
     with tqdm(total=capture.frame_total, unit="frame", disable=None) as bar:

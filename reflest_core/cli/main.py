@@ -36,7 +36,7 @@ EXTRAS = {
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run ``reflest`` and return its exit code; 2 for an error that the user can mend.
+    """Run ``reflest`` and return its exit code; 2 for a user's error.
 
     Args:
         arguments: the words after ``reflest``; None takes those of the process.

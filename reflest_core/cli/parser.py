@@ -89,12 +89,16 @@ def check_source(path: Path) -> None:
         path: of a capture or a scan.
 
     Raises:
-        SourceMissing: It does not exist; the sentence names the nearest one beside it.
+        SourceMissing: It does not exist, and the sentence names the nearest one beside it; or it
+            cannot be reached.
     """
-    if path.exists():
-        return
     folder = path.parent
-    beside = [one.name for one in folder.iterdir()] if folder.is_dir() else []
+    try:
+        if path.exists():
+            return
+        beside = [one.name for one in folder.iterdir()] if folder.is_dir() else []
+    except OSError as error:
+        raise SourceMissing(f"{path} cannot be read: {error.strerror}") from error
     # Alike without their suffixes: red.hdr is not meant by nope.hdr.
     alike = [name for name in beside if _near(path.stem, [Path(name).stem])]
     found = _near(path.name, alike)

@@ -6,30 +6,24 @@ from __future__ import annotations
 
 import argparse
 import math
-from pathlib import Path
 
 import numpy as np
 
 from reflest_core.capture.capture import Capture
-from reflest_core.capture.formats.topics import TopicChoice
 from reflest_core.capture.frame import Frame
-from reflest_core.capture.open_capture import open_capture
 from reflest_core.capture.settings import CaptureSettings
+from reflest_core.cli.source import open_source
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.parameter import ParameterError
 
 
-def sphere_at_pixel(
-    path: Path, options: argparse.Namespace, topics: TopicChoice, settings: CaptureSettings
-) -> RegionSettings:
+def sphere_at_pixel(options: argparse.Namespace, settings: CaptureSettings) -> RegionSettings:
     """Read a capture up to a frame, and place the region on the surface under a pixel.
 
     Args:
-        path: of the capture.
-        options: with ``roi_pixel``: number of the frame from 0 among those with depth and pose,
-            column, row, radius in metres; and ``intrinsics``.
-        topics: of a bag.
-        settings: how the capture is read.
+        options: All options of the command. ``roi_pixel`` holds the number of the frame, from 0
+            among those with depth and pose, then column, row and radius in metres.
+        settings: How the capture is read.
 
     Raises:
         ParameterError: The frame or the pixel does not exist, has no depth, or the radius is not
@@ -43,8 +37,7 @@ def sphere_at_pixel(
         raise ParameterError(f"--roi-pixel: pixel {column:g} {row:g} is not finite")
     if not 0.0 < radius < math.inf:
         raise ParameterError(f"--roi-pixel: the radius is {radius:g} m: it must be above 0")
-    pinhole = tuple(options.intrinsics) if options.intrinsics else None
-    frame = _frame(open_capture(path, topics, settings, pinhole), int(number))
+    frame = _frame(open_source(options, settings), int(number))
     camera = frame.intrinsics
     u, v = round(column), round(row)
     if not (0 <= u < camera.width and 0 <= v < camera.height):

@@ -96,21 +96,17 @@ def capture_source(options: argparse.Namespace) -> CaptureSource:
     Raises:
         ReflestError: It cannot be opened.
     """
-    from reflest_core.capture.open_capture import open_capture
-    from reflest_core.cli.replay_options import replay_settings, topic_choice
+    from reflest_core.cli.scan_settings import scan_settings
+    from reflest_core.cli.source import open_source
     from reflest_core.viewer.capture_source import CaptureSource
 
-    settings, path = replay_settings(options), options.capture
+    settings, path = scan_settings(options), options.capture
     if is_saved(path):
         return CaptureSource(path, settings, None)
 
     def open_again(scanner: Pipeline) -> Capture:
-        return open_capture(
-            path,
-            topic_choice(options),
-            settings.capture,
-            tuple(options.intrinsics) if options.intrinsics else None,
-            on_clock_jump=lambda _: scanner.restart_clock(),
+        return open_source(
+            options, settings.capture, on_clock_jump=lambda _: scanner.restart_clock()
         )
 
     return CaptureSource(path, settings, open_again)

@@ -9,6 +9,7 @@ fits the paper's 340 KB.
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -67,7 +68,7 @@ def load_weights(path: Path) -> tuple[Tensors, WeightsCard, str]:
     Raises:
         WeightsError: There is no such file, it is damaged, or of another format.
     """
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise WeightsError(f"there is no weight file {path}; correct estimation.weights")
     stored, metadata = _stored(path)
     if metadata.get("format") != FORMAT:

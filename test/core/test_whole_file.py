@@ -7,7 +7,13 @@ import stat
 
 import pytest
 
-from reflest_core.whole_file import OutputError, whole_file, whole_folder, write_whole
+from reflest_core.whole_file import (
+    OutputError,
+    check_writable,
+    whole_file,
+    whole_folder,
+    write_whole,
+)
 
 
 def test_new_file_has_its_content_and_the_usual_mode(tmp_path):
@@ -55,6 +61,12 @@ def test_a_link_stays_and_its_target_is_replaced(tmp_path):
     write_whole(tmp_path / "link", b"new")
     assert (tmp_path / "link").is_symlink()
     assert target.read_bytes() == b"new"
+
+
+@pytest.mark.parametrize("folder", [".", "b" * 300])
+def test_a_name_that_is_too_long_is_refused_before_any_work(tmp_path, folder):
+    with pytest.raises(OutputError, match=r"too long|does not exist"):
+        check_writable(tmp_path / folder / ("a" * 250))
 
 
 @pytest.mark.parametrize("kind", ["missing folder", "folder", "pipe"])

@@ -103,6 +103,16 @@ def test_a_name_that_only_shares_a_suffix_is_not_suggested(tmp_path, capsys):
         assert ("did you mean" in error) == bool(hint)
 
 
+@pytest.mark.parametrize("words", [["{}"], ["x.mcap", "--json", "{}/x.json"]])
+def test_a_path_that_is_too_long_ends_in_one_sentence(words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "x.mcap").touch()
+    assert main(["replay", *(word.format("a" * 300) for word in words)]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("reflest: error: ")
+    assert error.count("\n") == 1
+
+
 @pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
 def test_bash_completes_commands_and_options(capsys, tmp_path):
     assert main(["completion", "bash"]) == 0

@@ -9,14 +9,14 @@ import pytest
 
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.cli.main import command_parser, main
-from reflest_core.cli.replay_options import replay_settings
+from reflest_core.cli.scan_settings import scan_settings
 
 CAPTURE = Path(__file__).parents[3] / "captures" / "glossy-red"
 
 
 def settings(*words):
     options = command_parser(["replay"]).parse_args(["replay", str(CAPTURE), "--roi-pixel", *words])
-    return replay_settings(options)
+    return scan_settings(options)
 
 
 def with_depth(frame):

@@ -141,7 +141,7 @@ def test_pairs_of_observation_and_place_are_distinct_and_rebuild_the_nodes():
 def test_estimating_imports_neither_pytorch_nor_what_trains():
     script = (
         "import sys\n"
-        "from reflest_core.cli.replay_run import replay\n"
+        "from reflest_core.cli.replay.runner import replay\n"
         "from reflest_core.models.lightnet.live import LiveLightNet\n"
         "from reflest_core.models.predictor import Predictor\n"
         "from reflest_core.models.registry import shipped_models\n"

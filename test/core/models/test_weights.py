@@ -83,6 +83,11 @@ def test_grouplet_fast_and_slow_are_one_set_of_weights():
     assert (fast.voxels, slow.voxels) == (20, 354)
 
 
+def test_a_path_that_is_too_long_ends_with_one_sentence(tmp_path):
+    with pytest.raises(WeightsError, match="there is no weight file"):
+        load_weights(tmp_path / ("a" * 5000))
+
+
 def test_a_changed_weight_is_noticed(tmp_path):
     path = tmp_path / "w.safetensors"
     save_weights(path, HemiCNN().state_dict(), card(), eight_bit=False)

@@ -62,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
     """
     outputs = ("json", "materials", "save_scan", "environment", "report")
     check_paths(options, outputs=outputs)
-    from reflest_core.cli.replay_run import replay
+    from reflest_core.cli.replay.runner import replay
 
     replay(options)
     return 0

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Options of ``reflest replay`` and the settings that they make."""
+"""The settings that the options of a scanning command make."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from contextlib import contextmanager
 from dataclasses import fields, replace
 from pathlib import Path
 
-from reflest_core.capture.formats.topics import TopicChoice
 from reflest_core.capture.settings import CaptureSettings
 from reflest_core.cli.roi_pixel import sphere_at_pixel
 from reflest_core.cli.scan_options import is_saved
@@ -23,23 +22,7 @@ OF_THE_MACHINE = ("memory_budget_mb", "threads")
 """Values of fusion that a saved scan takes from the command."""
 
 
-def topic_choice(options: argparse.Namespace) -> TopicChoice:
-    """Return the topics that were named.
-
-    Args:
-        options: all options of the command.
-    """
-    return TopicChoice(
-        rgb=options.rgb_topic,
-        depth=options.depth_topic,
-        camera_info=options.camera_info_topic,
-        pose=options.pose_topic,
-        mask=options.mask_topic,
-        depth_camera_info=options.depth_camera_info_topic,
-    )
-
-
-def replay_settings(options: argparse.Namespace) -> ReflestSettings:
+def scan_settings(options: argparse.Namespace) -> ReflestSettings:
     """Return the settings of ``--config`` (or the defaults) with the options laid over them.
 
     Args:
@@ -111,7 +94,7 @@ def _with_mask(capture: CaptureSettings, mask_topic: str | None) -> CaptureSetti
 
 def _region(options: argparse.Namespace, capture: CaptureSettings) -> RegionSettings | None:
     if options.roi_pixel:
-        return sphere_at_pixel(options.capture, options, topic_choice(options), capture)
+        return sphere_at_pixel(options, capture)
     if options.roi_box:
         return _box(options.roi_box)
     if options.roi_sphere:

@@ -13,11 +13,9 @@ from pathlib import Path
 from tqdm import tqdm
 
 from reflest_core.capture.capture import Capture
-from reflest_core.capture.open_capture import open_capture
 from reflest_core.capture.refusal import CaptureError, FrameRefused
 from reflest_core.cli.output_files import write_json
-from reflest_core.cli.replay_options import replay_settings, topic_choice
-from reflest_core.cli.replay_report import (
+from reflest_core.cli.replay.printed import (
     ReplayResult,
     estimate_line,
     final_lines,
@@ -26,6 +24,8 @@ from reflest_core.cli.replay_report import (
     replay_record,
 )
 from reflest_core.cli.scan_options import is_saved
+from reflest_core.cli.scan_settings import scan_settings
+from reflest_core.cli.source import open_source
 from reflest_core.estimation.estimator import NoEstimate
 from reflest_core.estimation.pipeline import EVERY_VOXEL, Pipeline
 from reflest_core.export.environment_file import export_environment, light_format
@@ -44,27 +44,23 @@ def replay(options: argparse.Namespace) -> None:
         ReflestError: a bad option, an unreadable capture, or no estimate at its end.
     """
     if options.report is not None:
-        from reflest_core.cli.html_report import check_report_libraries, write_report
+        from reflest_core.cli.replay.html_report import check_report_libraries, write_report
 
         check_report_libraries()
     _check_no_scan(options.capture)
     light_kind = light_format(options.environment) if options.environment else ""
     if options.materials is not None:
         check_suffix(options.materials, ".ply", "ply")
-    settings = replay_settings(options)
-    pinhole = tuple(options.intrinsics) if options.intrinsics else None
-    topics = topic_choice(options)
-    capture = open_capture(
-        options.capture,
-        topics,
+    settings = scan_settings(options)
+    capture = open_source(
+        options,
         settings.capture,
-        pinhole,
-        _warn_of_refusal,
-        lambda _: pipeline.restart_clock(),
-        lambda sentence: _say(f"warning: {sentence}"),
+        on_refusal=_warn_of_refusal,
+        on_clock_jump=lambda _: pipeline.restart_clock(),
+        on_warning=lambda sentence: _say(f"warning: {sentence}"),
     )
     settings = replace(settings, capture=capture.settings)
-    pipeline = Pipeline(settings)
+    pipeline: Pipeline = Pipeline(settings)
     result = ReplayResult()
     _scan(capture, pipeline, result)
     _conclude(capture, pipeline, result)
@@ -78,7 +74,7 @@ def replay(options: argparse.Namespace) -> None:
     if options.save_scan is not None and result.fused_count:
         pipeline.save(options.save_scan)
         print(f"wrote {options.save_scan}")
-    if options.report is not None:
+    if options.report is not None and result.materials is not None:
         write_report(options.report, capture, pipeline, result)
         print(f"wrote {options.report}")
     if light_kind and result.fused_count:

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What ``reflest replay`` says: one line for each estimate, and the JSON document."""
+"""What ``reflest replay`` prints, and its JSON document."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from reflest_core.capture.capture import Capture
-from reflest_core.cli.replay_report import ReplayResult, refusals_line
+from reflest_core.cli.replay.printed import ReplayResult, refusals_line
 from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.export.libraries import library, open3d
 from reflest_core.viewer.report.document import report

@@ -4,7 +4,7 @@
 
 import dataclasses
 
-from reflest_core.cli.replay_report import MOST_IDS, MOST_ROWS, material_lines
+from reflest_core.cli.replay.printed import MOST_IDS, MOST_ROWS, material_lines
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.surface.partition import Partition

@@ -245,6 +245,15 @@ def test_a_region_with_nothing_in_it_ends_with_the_reason(replay, bag):
     assert record["refusals"]["no_overlap"]["count"] == 12
 
 
+def test_a_report_that_cannot_be_made_is_not_said_to_be_written(replay, bag, tmp_path):
+    pytest.importorskip("open3d")
+    page = tmp_path / "report.html"
+    code, out, _, _ = replay(bag, "--roi-sphere", 5, 5, 5, 0.1, "--report", page)
+    assert code == 2
+    assert not page.exists()
+    assert str(page) not in out
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
