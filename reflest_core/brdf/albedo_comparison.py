@@ -11,9 +11,11 @@ import math
 
 import numpy as np
 
-from reflest_core.brdf.ggx import ggx_alpha, ggx_density, ggx_lobe, sample_ggx
+from reflest_core.brdf.ggx import ggx_alpha
+from reflest_core.brdf.models import Ggx
 from reflest_core.brdf.parameters import WardVariant
-from reflest_core.brdf.sampling import specular_albedo, strata
+from reflest_core.brdf.protocol import lobe_albedo
+from reflest_core.brdf.sampling import specular_albedo
 
 ALPHAS = (0.02, 0.1, 0.2)
 ANGLES = (0.0, 45.0, 60.0, 75.0)
@@ -33,13 +35,8 @@ def ggx_albedo(alpha: float, theta_o: float, f0: float = 1.0, f90: float = 1.0) 
     Returns:
         The reflected share.
     """
-    omega_o = np.array([math.sin(theta_o), 0.0, math.cos(theta_o)])
-    omega_i = sample_ggx(alpha, omega_o, strata(STRATA))
-    half_dot_o = np.linalg.norm(omega_i + omega_o, axis=-1) / 2
-    fresnel = f0 + (f90 - f0) * np.clip(1 - half_dot_o, 0, 1) ** 5
-    reflected = ggx_lobe(alpha, omega_i, np.broadcast_to(omega_o, omega_i.shape)) * fresnel
-    density = ggx_density(alpha, omega_i, omega_o)
-    return float(np.mean(reflected * np.clip(omega_i[..., 2], 0, None) / density))
+    material = np.array([0.0, 0.0, 0.0, f0, alpha])
+    return float(lobe_albedo(Ggx(f90), material, np.array([math.cos(theta_o)]), STRATA)[0])
 
 
 def main() -> None:

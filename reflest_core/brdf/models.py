@@ -21,7 +21,7 @@ from reflest_core.brdf.parameters import (
     SMALLEST_ALPHA,
     WardVariant,
 )
-from reflest_core.brdf.protocol import BrdfModel, BrdfParameter, lobe_albedo, view_directions
+from reflest_core.brdf.protocol import BrdfModel, BrdfParameter, lobe_albedo
 
 Array = Any
 BASE, F0, WIDTH = slice(0, 3), 3, 4
@@ -189,7 +189,9 @@ class Ggx:
         omega_i = np.stack(
             [radius * np.cos(turn), radius * np.sin(turn), np.sqrt(1 - u[:, 0])], axis=-1
         )
-        fresnel: NDArray[np.float64] = self.fresnel(f0, omega_i, view_directions(cos_theta_o))
+        fresnel: NDArray[np.float64] = self.fresnel(
+            f0, omega_i, sampling.view_directions(cos_theta_o)
+        )
         return np.asarray(1 - fresnel.mean(axis=1, keepdims=True))
 
 

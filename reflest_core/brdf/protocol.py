@@ -82,32 +82,25 @@ class BrdfModel(Protocol):
         """
 
 
-def view_directions(cos_theta_o: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Make directions to the camera from their elevations.
-
-    Args:
-        cos_theta_o: (K,) cosines of the angle between normal and camera, in (0, 1].
-
-    Returns:
-        (K, 1, 3) unit, at azimuth 0.
-    """
-    sine = np.sqrt(1 - cos_theta_o**2)
-    return np.stack([sine, np.zeros_like(sine), cos_theta_o], axis=-1)[:, None]
-
-
 def lobe_albedo(
-    model: BrdfModel, material: NDArray[np.float64], cos_theta_o: NDArray[np.float64]
+    model: BrdfModel,
+    material: NDArray[np.float64],
+    cos_theta_o: NDArray[np.float64],
+    strata: int = sampling.STRATA,
 ) -> NDArray[np.float64]:
     """Integrate a model's specular lobe by its own samples.
 
     Args:
-        model: whose ``sample`` is used.
+        model: Its ``sample`` is used.
         material: (P,) a vector.
         cos_theta_o: (K,) cosines of the angle between normal and camera, in (0, 1].
+        strata: Samples along each edge of the unit square.
 
     Returns:
         (K,) the share of light that the lobe sends to the camera, where it comes from everywhere.
     """
-    _, weights = model.sample(material, view_directions(cos_theta_o), sampling.strata()[None])
+    _, weights = model.sample(
+        material, sampling.view_directions(cos_theta_o), sampling.strata(strata)[None]
+    )
     mean: NDArray[np.float64] = weights.mean(axis=1)
     return mean

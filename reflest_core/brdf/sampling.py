@@ -91,12 +91,24 @@ def specular_albedo(
     Returns:
         (K,) the reflected share.
     """
-    sin_theta_o = np.sqrt(1 - cos_theta_o**2)
-    omega_o = np.stack([sin_theta_o, np.zeros_like(sin_theta_o), cos_theta_o], axis=-1)[:, None]
+    omega_o = view_directions(cos_theta_o)
     omega_i = sample_specular(alpha, omega_o, strata()[None])
     weights: Any = specular_weight(rho_s, omega_i, omega_o, variant)
     albedo: NDArray[np.float64] = weights.mean(axis=1)
     return albedo
+
+
+def view_directions(cos_theta_o: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Make directions to the camera from their elevations.
+
+    Args:
+        cos_theta_o: (K,) cosines of the angle between normal and camera, in (0, 1].
+
+    Returns:
+        (K, 1, 3) unit, at azimuth 0.
+    """
+    sine = np.sqrt(1 - cos_theta_o**2)
+    return np.stack([sine, np.zeros_like(sine), cos_theta_o], axis=-1)[:, None]
 
 
 def strata(count: int = STRATA) -> NDArray[np.float64]:

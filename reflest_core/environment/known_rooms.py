@@ -29,7 +29,7 @@ from reflest_core.light.known_light import (
     JoinedLight,
     KnownLight,
     KnownLightError,
-    tells_ratios,
+    is_measured,
 )
 from reflest_core.light.light_map import SIZE, ObservedLight
 from reflest_core.light.octahedral import octahedral_texels
@@ -82,8 +82,10 @@ class KnownRooms:
         Returns:
             The joined light.
         """
-        if tells_ratios(light).sum() < FEWEST:
-            return JoinedLight(light, f"too little was seen to tell a room of {NAME} by")
+        if is_measured(light).sum() < FEWEST:
+            return JoinedLight(
+                light, f"too little of the surroundings was seen to recognise a room of {NAME}"
+            )
         likeness = self._likeness(light)
         errors = likeness.error.min(axis=1)
         room = int(errors.argmin())
@@ -104,7 +106,7 @@ class KnownRooms:
     def _likeness(self, light: ObservedLight) -> _Likeness:
         """By what both show; a room's error is infinite where that is too little."""
         texels = _texels()
-        weight = tells_ratios(light).reshape(-1)[texels] * equirectangular_solid_angles(HEIGHT)
+        weight = is_measured(light).reshape(-1)[texels] * equirectangular_solid_angles(HEIGHT)
         seen = _log(luminance(light.radiance)).reshape(-1)[texels]
         of_weight, of_seen, of_square = (
             np.fft.rfft(values, axis=1) for values in (weight, weight * seen, weight * seen**2)

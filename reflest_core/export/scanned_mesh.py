@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 from reflest_core.export.errors import ExportError
 from reflest_core.export.libraries import library, open3d
 from reflest_core.fusion.scan import Scan
-from reflest_core.surface.voxel_key import BLOCK_EDGE, COORDINATE_BITS
+from reflest_core.surface.voxel_key import BLOCK_EDGE, key_coordinates
 
 OBSERVED_WITHIN = 1.75
 """A vertex without an observed voxel within so many voxels is not of the scanned surface."""
@@ -147,7 +147,9 @@ def _marching_cubes(scan: Scan) -> TriangleMesh:
         max(count, 1),
         core.Device("CPU:0"),
     )
-    rows, _ = grid.hashmap().activate(core.Tensor(_block_coordinates(blocks.keys[:count])))
+    rows, _ = grid.hashmap().activate(
+        core.Tensor(key_coordinates(blocks.keys[:count]).astype(np.int32))
+    )
     rows = rows.numpy()
     # Open3D's blocks hold x in the last axis, ours in the first.
     for name, values in (("tsdf", blocks.tsdf), ("weight", blocks.weight)):
@@ -165,13 +167,6 @@ def _ordered(vertices: NDArray[np.floating], faces: NDArray[np.integer]) -> Tria
     first = ranked.argmin(axis=1)[:, None]
     turned = np.take_along_axis(ranked, (first + np.arange(3)) % 3, axis=1)
     return TriangleMesh(vertices[order].astype(np.float32), turned[np.lexsort(turned.T)])
-
-
-def _block_coordinates(keys: NDArray[np.int64]) -> NDArray[np.int32]:
-    mask = (1 << COORDINATE_BITS) - 1
-    shifts = np.array([2 * COORDINATE_BITS, COORDINATE_BITS, 0])
-    coordinates = ((keys[:, None] >> shifts) & mask) - (1 << (COORDINATE_BITS - 1))
-    return np.ascontiguousarray(coordinates, np.int32)
 
 
 def _near(mesh: TriangleMesh, observed: NDArray[np.float32], reach: float) -> TriangleMesh:

@@ -36,11 +36,11 @@ MOST_STOPS = 6.0
 """A gain lies within so many stops of 1."""
 
 
-Witness = Callable[[], NDArray[np.float64]]
-"""Stops from a frame to the common exposure, one for each thing compared."""
+ShiftSource = Callable[[], NDArray[np.float64]]
+"""Returns the stops from a frame to the common exposure, one for each texel or voxel compared."""
 
 
-def no_witness() -> NDArray[np.float64]:
+def no_shifts() -> NDArray[np.float64]:
     """Compare nothing.
 
     Returns:
@@ -54,11 +54,11 @@ def exposure_gain(
     directions: NDArray[np.float32],
     colours: NDArray[np.uint8],
     last: float,
-    surface_shifts: Witness = no_witness,
+    surface_shifts: ShiftSource = no_shifts,
 ) -> float:
     """Find the factor that brings a frame's linear colours to the units of the light map.
 
-    Texels in which anything is clipped are left out; the rest vote by their median. Where parallax
+    Texels in which anything is clipped are left out; the median of the rest counts. Where parallax
     makes them disagree, the surface's voxels are used instead if they agree better. Light that
     changes as a whole cannot be distinguished from exposure.
 

@@ -1,9 +1,9 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Light that is known before the scan: a room (:mod:`.room`) takes the place of what is unseen.
+"""Light that is known before the scan stands in for what the camera did not see.
 
-The camera's own pictures come first. What is known is brought to their exposure and white balance
-by the directions that both show, and is left alone where these do not agree.
+The camera's own images come first. The known light is brought to their exposure and white balance
+by the directions that both show; where these do not agree, it is not used.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from reflest_core.light.light_map import ObservedLight
 NAME = "estimation.known_light"
 """The parameter."""
 DARKEST = 0.01
-"""Radiance, 1 at the sensor's white, below which 8 bits tell no ratio."""
+"""Radiance, 1 at the sensor's white, below which 8 bits are too coarse for a ratio."""
 FEWEST = 100
 """Directions that scan and room must share, 2.1 degrees each."""
 MOST_SPREAD = 0.5
@@ -67,7 +67,7 @@ class KnownLight:
         Returns:
             The joined light.
         """
-        shared = tells_ratios(light) & self.is_known & (self.radiance.min(axis=-1) > 0.0)
+        shared = is_measured(light) & self.is_known & (self.radiance.min(axis=-1) > 0.0)
         if shared.sum() < FEWEST:
             return JoinedLight(
                 light,
@@ -96,7 +96,7 @@ class KnownLight:
         return JoinedLight(ObservedLight(radiance, coverage, clipped), self.warning)
 
 
-def tells_ratios(light: ObservedLight) -> NDArray[np.bool_]:
+def is_measured(light: ObservedLight) -> NDArray[np.bool_]:
     """Find the directions of which the camera saw the value, above the noise of 8 bits.
 
     Args:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from reflest_core.brdf import srgb
 from reflest_core.jit import compiled, kernel_array
-from reflest_core.light.exposure_gain import Witness, exposure_gain, no_witness
+from reflest_core.light.exposure_gain import ShiftSource, exposure_gain, no_shifts
 from reflest_core.light.octahedral import octahedral_solid_angles, octahedral_texel
 
 SIZE = 96
@@ -78,7 +78,7 @@ class LightMap:
         self,
         directions: NDArray[np.float32],
         colours: NDArray[np.uint8],
-        surface_shifts: Witness = no_witness,
+        surface_shifts: ShiftSource = no_shifts,
     ) -> float:
         """Add the pixels of one frame at the exposure that it seems to have.
 

@@ -9,6 +9,9 @@ j, k)`` holds the voxels ``8 * (i, j, k) + (0..7)`` along each axis.
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from reflest_core.jit import compiled
 
 BLOCK_EDGE = 8
@@ -23,8 +26,21 @@ VOXEL_LIMIT = (1 << 20) - 2 * BLOCK_EDGE
 COORDINATE_BITS = 21
 """Bits of a key that each coordinate takes, the last one the lowest."""
 
-_OFFSET = 1 << 20
+_OFFSET = 1 << (COORDINATE_BITS - 1)
 _MASK = (1 << COORDINATE_BITS) - 1
+
+
+def key_coordinates(keys: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Unpack many keys, as :func:`unpack_key` does one.
+
+    Args:
+        keys: (N,) keys of voxels or blocks.
+
+    Returns:
+        (N, 3) i, j, k.
+    """
+    shifts = np.array([2 * COORDINATE_BITS, COORDINATE_BITS, 0])
+    return np.asarray(((keys[:, None] >> shifts) & _MASK) - _OFFSET)
 
 
 @compiled
