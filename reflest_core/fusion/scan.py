@@ -12,13 +12,16 @@ from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.frames import sight
-from reflest_core.fusion.frames.background_light import background_pixels, sampling_step
+from reflest_core.fusion.frames.background_light import (
+    background_pixels,
+    sampling_step,
+    without_holes,
+)
 from reflest_core.fusion.frames.foreground import classify_pixels
 from reflest_core.fusion.frames.region import RegionShape
 from reflest_core.fusion.frames.view_middle import view_middle
 from reflest_core.fusion.frames.visibility import visible_voxels
 from reflest_core.fusion.frames.window import cropped, object_window
-from reflest_core.fusion.frames.work_sphere import without_holes
 from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.observations.colour_statistics import foreground_background_means
 from reflest_core.fusion.observations.exposure import surface_shifts

@@ -20,7 +20,7 @@ from reflest_core.capture.pose import FURTHEST
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.parameter import ParameterError
 from reflest_core.ply_file import printable
-from reflest_core.surface.voxel_key import COORDINATE_BITS, VOXEL_LIMIT
+from reflest_core.surface.voxel_key import VOXEL_LIMIT, key_coordinates
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -197,9 +197,7 @@ def _coordinates(keys: NDArray[Any], name: str) -> NDArray[np.int64]:
     """(N, 3) coordinates of keys, checked to be within the volume's limit."""
     if keys.dtype != np.int64 or keys.ndim != 1 or not np.all(keys > 0):
         raise ValueError(f"{name} holds what is no key")
-    mask, offset = (1 << COORDINATE_BITS) - 1, 1 << (COORDINATE_BITS - 1)
-    shifts = np.array([2 * COORDINATE_BITS, COORDINATE_BITS, 0], np.int64)
-    cells: NDArray[np.int64] = ((keys[:, None] >> shifts) & mask) - offset
+    cells = key_coordinates(keys)
     if not np.all(np.abs(cells) <= VOXEL_LIMIT):
         raise ValueError(f"{name} holds a key beyond the volume's limit")
     return cells

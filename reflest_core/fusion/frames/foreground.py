@@ -34,7 +34,7 @@ class FramePixels:
     """What fusion takes of a frame.
 
     Attributes:
-        foreground: (H, W) bool; F and B are means over it and the rest (SPEC section 2).
+        foreground: (H, W) bool; F and B are means over it and over the rest.
         depth: (H, W) float32 metres, 0 where unknown.
         surface: (H, W) bool, the foreground within ``max_depth`` and clear of depth edges: what is
             fused and observed.
@@ -56,7 +56,7 @@ class FramePixels:
 
 
 def classify_pixels(frame: Frame, region: Region, settings: FusionSettings) -> FramePixels:
-    """Tell the scanned surface from the background.
+    """Separate the scanned surface from the background.
 
     Foreground is the mask if there is one, else the region, else depth inside ``max_depth``.
 

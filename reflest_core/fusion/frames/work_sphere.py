@@ -14,7 +14,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -121,39 +120,6 @@ class WorkSphere:
             np.array(self.centre, np.float64),
             np.full(3, self.radius(settings) if self.frames else 0.0),
         )
-
-
-def without_holes(
-    depth: NDArray[np.float32], foreground: NDArray[np.bool_], step: int
-) -> NDArray[np.bool_]:
-    """Add to the foreground what lacks depth within it: dark or shining surface, and no light.
-
-    A hole is a connected set of pixels without depth that does not touch the image's border and
-    whose neighbours with depth are mostly foreground.
-
-    Args:
-        depth: (H, W) metres, 0 or not finite where unknown.
-        foreground: (H, W) pixels on the scanned surface.
-        step: Only every ``step``-th pixel, from ``step // 2`` on, is read and changed.
-
-    Returns:
-        (H, W) the foreground with its holes.
-    """
-    grid = (slice(step // 2, None, step), slice(step // 2, None, step))
-    unknown, inside = ~(depth[grid] > 0.0), foreground[grid]
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(unknown.astype(np.uint8))
-    height, width = unknown.shape
-    left, top, across, down = stats[:, :4].T
-    is_within = (left > 0) & (top > 0) & (left + across < width) & (top + down < height)
-    around = cv2.dilate(labels.astype(np.float32), np.ones((3, 3))).astype(np.int64)
-    ring = ~unknown & (around > 0)
-    beside = np.bincount(around[ring], minlength=count)
-    of_surface = np.bincount(around[ring], weights=inside[ring], minlength=count)
-    is_hole = is_within & (2.0 * of_surface > beside)
-    is_hole[0] = False
-    filled = foreground.copy()
-    filled[grid] |= is_hole[labels]
-    return filled
 
 
 def _is_length(value: Any) -> bool:

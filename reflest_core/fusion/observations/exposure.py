@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What stored views tell of the camera's exposure."""
+"""The camera's exposure, estimated from stored views."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from reflest_core.brdf import srgb
 from reflest_core.brdf.lab import LUMINANCE_WEIGHTS
-from reflest_core.brdf.srgb import decode
 from reflest_core.fusion.observations.observation_store import ObservationStore
 from reflest_core.fusion.observations.views import ViewTable
 from reflest_core.light.exposure_gain import DARKEST
@@ -92,7 +91,7 @@ def exposure_drift(views: ViewTable) -> float:
 
 def _brightening(colours: NDArray[np.float32]) -> float:
     """Stops from the first to the last third of (W, 3) mean 8-bit colours, NaN where unknown."""
-    luminance = decode(colours.astype(np.float64) / 255.0) @ LUMINANCE_WEIGHTS
+    luminance = srgb.decode(colours.astype(np.float64) / 255.0) @ LUMINANCE_WEIGHTS
     known = luminance[luminance > 0.0]
     if len(known) < LEAST_VIEWS:
         return math.nan

@@ -81,7 +81,7 @@ class _Placed:
 class JumpDetector:
     """Watches consecutive frames; a frame after the jump confirms it.
 
-    After a jump the new frames agree among themselves, which tells it from one bad frame.
+    After a jump the new frames agree among themselves; after one bad frame they do not.
     """
 
     def __init__(self) -> None:

@@ -158,8 +158,8 @@ def _update(
         is_far_ahead = value == one
         is_free = pixel_free[n] - at.z[n] >= truncation
         added = full if is_far_ahead else pixel_gain[n]
-        is_told = at.is_inside[n] & (not is_behind) & (is_free | (not is_far_ahead))
-        added = added if is_told else zero
+        is_measured = at.is_inside[n] & (not is_behind) & (is_free | (not is_far_ahead))
+        added = added if is_measured else zero
         total = np.float32(weight[n]) + added
         tsdf[n] += (value - tsdf[n]) * (added / max(total, one))
         weight[n] = np.uint16(np.int32(min(total, most)))

@@ -10,7 +10,12 @@ import pytest
 from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.refusal import FrameRefused
-from reflest_core.fusion.frames.background_light import ACROSS, MARGIN, background_pixels
+from reflest_core.fusion.frames.background_light import (
+    ACROSS,
+    MARGIN,
+    background_pixels,
+    without_holes,
+)
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.light.light_map import LONGEST_MEMORY, SIZE, LightMap
@@ -154,3 +159,22 @@ def test_a_refused_frame_leaves_the_light_alone():
     with pytest.raises(FrameRefused):
         scan.fuse(next(iter(orbit_frames(1))))
     np.testing.assert_array_equal(scan.snapshot().light.radiance, before.radiance)
+
+
+def test_holes_in_the_surface_are_no_light():
+    depth = np.full((40, 60), 0.5, np.float32)
+    foreground = np.ones((40, 60), bool)
+    depth[10:20, 10:20] = 0.0  # a shining spot on the surface
+    depth[:, 40:] = 0.0  # the sky
+    foreground[depth == 0.0] = False
+    filled = without_holes(depth, foreground, 1)
+    assert filled[10:20, 10:20].all()
+    assert not filled[:, 40:].any()
+
+
+def test_gaps_before_the_background_are_light():
+    depth = np.full((40, 60), 0.5, np.float32)
+    depth[:, 20:] = 4.0
+    foreground = depth < 1.0
+    depth[10:20, 30:40] = 0.0
+    np.testing.assert_array_equal(without_holes(depth, foreground, 1), foreground)

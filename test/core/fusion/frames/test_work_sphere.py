@@ -13,7 +13,6 @@ from reflest_core.fusion.frames.work_sphere import (
     EARLY_FRAMES,
     RADII,
     WorkSphere,
-    without_holes,
 )
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.scan_file import ScanFileError
@@ -107,25 +106,6 @@ def test_a_mask_is_the_surface_whatever_the_sphere():
 def test_a_frame_without_depth_leaves_it_empty():
     frame = dataclasses.replace(orbit_frames(1)[0], depth=np.zeros((120, 160), np.float32))
     assert WorkSphere().updated(frame, SETTINGS) == WorkSphere()
-
-
-def test_holes_in_the_surface_are_no_light():
-    depth = np.full((40, 60), 0.5, np.float32)
-    foreground = np.ones((40, 60), bool)
-    depth[10:20, 10:20] = 0.0  # a shining spot on the surface
-    depth[:, 40:] = 0.0  # the sky
-    foreground[depth == 0.0] = False
-    filled = without_holes(depth, foreground, 1)
-    assert filled[10:20, 10:20].all()
-    assert not filled[:, 40:].any()
-
-
-def test_gaps_before_the_background_are_light():
-    depth = np.full((40, 60), 0.5, np.float32)
-    depth[:, 20:] = 4.0
-    foreground = depth < 1.0
-    depth[10:20, 30:40] = 0.0
-    np.testing.assert_array_equal(without_holes(depth, foreground, 1), foreground)
 
 
 def test_a_dark_spot_on_the_object_does_not_darken_the_light():
