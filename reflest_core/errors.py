@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The root of every error that a user can cause and mend."""
+"""The base class of every error that a user can cause and correct."""
 
 
 class ReflestError(Exception):

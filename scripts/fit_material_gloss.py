@@ -36,11 +36,11 @@ NEAR, PUREST, FEWEST = 0.01, 0.7, 30
 """Metres from a voxel to its true point; share of a material that is one true one; its voxels."""
 RIDGE = 4.0
 SPREAD = 2.5
-"""Standard deviations at which signs are held."""
+"""Standard deviations at which cues are held."""
 
 
 def rows_of(scene: Path) -> list[dict[str, Any]]:
-    """The signs of gloss of each material of a scan beside the truth."""
+    """The cues of gloss of each material of a scan beside the truth."""
     pipeline = Pipeline(ReflestSettings())
     for frame in open_capture(scene):
         pipeline.fuse(frame)
@@ -79,17 +79,17 @@ def rows_of(scene: Path) -> list[dict[str, Any]]:
                 "voxels": len(voxels),
                 "alpha": of_truth["alpha"],
                 "strength": float(np.log(of_truth["rho_s"] + LEAST)),
-                "alpha_signs": [changes.blur, changes.peakedness, changes.over_noise, of_network],
-                "strength_signs": [*np.log(np.clip(rho_s, 0.0, 1.0) + LEAST), change],
+                "alpha_cues": [changes.blur, changes.peakedness, changes.over_noise, of_network],
+                "strength_cues": [*np.log(np.clip(rho_s, 0.0, 1.0) + LEAST), change],
             }
         )
     return rows
 
 
 def fit(rows: list[dict[str, Any]], target: str) -> None:
-    """Print the regression of a target on its signs."""
+    """Print the regression of a target on its cues."""
     y = np.array([row[target] for row in rows])
-    signs = np.array([row[f"{target}_signs"] for row in rows])
+    cues = np.array([row[f"{target}_cues"] for row in rows])
     scenes = np.array([row["scene"] for row in rows])
     materials = [(row["scene"], row["material"]) for row in rows]
     totals = {
@@ -99,11 +99,11 @@ def fit(rows: list[dict[str, Any]], target: str) -> None:
     weight = np.array(
         [row["voxels"] / totals[one] for row, one in zip(rows, materials, strict=True)]
     )
-    mean = np.average(signs, axis=0, weights=weight)
-    deviation = np.sqrt(np.average((signs - mean) ** 2, axis=0, weights=weight))
-    scores = np.clip((signs - mean) / deviation, -SPREAD, SPREAD)
+    mean = np.average(cues, axis=0, weights=weight)
+    deviation = np.sqrt(np.average((cues - mean) ** 2, axis=0, weights=weight))
+    scores = np.clip((cues - mean) / deviation, -SPREAD, SPREAD)
     columns = np.concatenate([np.ones((len(y), 1)), scores], axis=1)
-    ridge = np.diag([0.0] + [RIDGE] * signs.shape[1])
+    ridge = np.diag([0.0] + [RIDGE] * cues.shape[1])
 
     def solved(chosen: np.ndarray) -> np.ndarray:
         x, w = columns[chosen], weight[chosen]
@@ -117,7 +117,7 @@ def fit(rows: list[dict[str, Any]], target: str) -> None:
     print(f"{target}: {len(y)} materials of {len(np.unique(scenes))} scans")
     print("  intercept and coefficients", np.round([found[0] - slopes @ mean, *slopes], 4).tolist())
     bounds = np.stack([mean - SPREAD * deviation, mean + SPREAD * deviation], axis=1)
-    print("  ranges of the signs", np.round(bounds, 2).tolist())
+    print("  ranges of the cues", np.round(bounds, 2).tolist())
     for name, error in (
         ("left out", left_out - y),
         ("a constant", np.average(y, weights=weight) - y),

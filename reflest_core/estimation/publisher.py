@@ -81,7 +81,7 @@ class Publisher:
         elif gloss is not None and stddev is not None and not prediction.has_posterior:
             ward, stddev = with_posterior(ward, stddev, gloss)
         colours = colour_problems(surface)
-        if colours and stddev is not None:  # no material can be told from them
+        if colours and stddev is not None:  # they show no material
             stddev = np.maximum(stddev, self.predictor.card.statistics["ward"].stddev)
         red, green, blue, rho_s, alpha = ward.tolist()
         lightness, a, b, c, d = ward_to_labcd(ward).tolist()

@@ -74,7 +74,7 @@ class SceneEstimates:
         Args:
             surface: the scan, +z up.
             light: of that scan.
-            gloss_voxels: of a material, whose observations tell roughness.
+            gloss_voxels: of a material, whose observations determine roughness.
             gloss_information: log-likelihood from which roughness is identifiable.
             sight: of the surface, where it is known already.
         """
@@ -127,7 +127,7 @@ class SceneEstimates:
         light, joint = self._light, self._light.joint
         ward, stddev = physical_ward(prediction.ward), prediction.stddev
         if joint is not None:
-            ward, stddev = self._with_signs(ward, stddev, voxels)
+            ward, stddev = self._with_cues(ward, stddev, voxels)
         if stddev is not None and not prediction.has_posterior:
             ward, stddev = with_posterior(ward, stddev, gloss)
         _, inferred, _ = light.inferred[material_id]
@@ -156,13 +156,13 @@ class SceneEstimates:
         deviation = np.sqrt(found.deviation**2 + of_light**2 + np.float32(of_gloss**2))
         return SceneEstimate(ward, stddev, gloss, found.rho_d, deviation, error)
 
-    def _with_signs(
+    def _with_cues(
         self,
         ward: NDArray[np.float64],
         stddev: NDArray[np.float64] | None,
         voxels: NDArray[np.int64],
     ) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
-        """Replace the network's gloss by what all signs of it say together."""
+        """Replace the network's gloss by what all cues of it say together."""
         joint, changes = self._light.joint, view_changes(self._surface, voxels)
         if joint is None or changes is None:
             return ward, stddev

@@ -37,7 +37,7 @@ SHORTEST_UP, LONGEST_UP = 1e-3, 1e3
 
 @dataclass(frozen=True)
 class EstimationSettings:
-    """Which network looks at the scan, and when there is too little to look at."""
+    """The network, and the thresholds below which an estimate gets a warning."""
 
     model: str = parameter("lightnet", "The network that estimates.", choices=tuple(models()))
     weights: str = parameter("", "Weight file to use in place of the shipped one.")

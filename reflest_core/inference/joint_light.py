@@ -18,9 +18,13 @@ from reflest_core.inference.gloss.gloss_fit import GlossFit, fit_gloss
 from reflest_core.inference.joint_system import ChannelState, ChannelSystem
 from reflest_core.inference.light_prior import SCENE, LightPrior
 from reflest_core.inference.transport.irradiance import incoming
-from reflest_core.inference.transport.light_patches import LightParts, diffuse_response
+from reflest_core.inference.transport.light_patches import (
+    LightParts,
+    completed_light,
+    diffuse_response,
+    patches_of,
+)
 from reflest_core.inference.transport.patch_grid import (
-    PATCHES,
     patch_image,
     texels_of_patches,
 )
@@ -33,7 +37,6 @@ from reflest_core.light.completion import (
     SEEN,
     LightPyramid,
     complete,
-    levels_below,
 )
 from reflest_core.light.cosine_weights import cosine_weights
 from reflest_core.light.light_map import ObservedLight
@@ -105,38 +108,12 @@ class JointLight:
         """(N, N, 3) standard deviation of the completed radiance at the finest resolution."""
         fine = self.filled.levels[0]
         size = len(fine)
-        unseen, excess = self._images(self.factor_deviations, size)
+        unseen, excess = (patch_image(part, size) for part in patches_of(self.factor_deviations))
         is_unseen = 1.0 - fine[..., SEEN : SEEN + 1]
         return np.asarray(
             np.hypot(is_unseen * fine[..., RADIANCE] * unseen, self.filled.excess * excess),
             np.float32,
         )
-
-    @staticmethod
-    def _images(
-        factors: NDArray[np.float64], size: int
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        image = patch_image(factors.T[:PATCHES].astype(np.float32), size)
-        return image, patch_image(factors.T[PATCHES:].astype(np.float32), size)
-
-
-def complete_by(
-    observed: ObservedLight, filled: LightPyramid, factors: NDArray[np.float64]
-) -> LightPyramid:
-    """The observed light with what the patches hold where it is unseen or clipped.
-
-    Args:
-        observed: the light as it was seen.
-        filled: the same after pull and push.
-        factors: (3, 2 P), see :class:`JointLight`.
-    """
-    fine = filled.levels[0]
-    unseen, excess = JointLight._images(factors, len(fine))
-    bright = observed.radiance + excess * filled.excess
-    is_seen = observed.coverage[..., None] > 0.0
-    radiance = np.where(is_seen, bright, fine[..., RADIANCE] * unseen)
-    finest = np.concatenate([radiance, fine[..., 3:]], axis=-1).astype(np.float32)
-    return levels_below(finest, filled.excess)
 
 
 class JointInference:
@@ -263,7 +240,7 @@ class JointInference:
         rho_s_deviation[present] = np.mean([one.gloss_deviation for one in solutions], axis=0)
         return JointLight(
             self.filled,
-            complete_by(self.observed, self.filled, factors),
+            completed_light(self.observed, self.filled, *patches_of(factors)),
             factors,
             np.stack([one.light_deviation for one in solutions]),
             rho_d,

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""A scene of several segments in one light: rounds of gloss and light, and what they hang on."""
+"""A scene of several segments in one light, by alternating estimates of gloss and light."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from reflest_core.inference.joint_light import (
 )
 from reflest_core.inference.light_from_shading import InferredLight
 from reflest_core.inference.light_prior import DIM
-from reflest_core.inference.transport.patch_grid import PATCHES
+from reflest_core.inference.transport.light_patches import patches_of
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.light.light_map import ObservedLight
 from reflest_core.surface.diffuse_colours import diffuse_colours
@@ -35,7 +35,7 @@ class JointScene:
         labels: (V,) int64, the segment of each voxel, -1 for none.
         occluders: surfels of the whole scene.
         light: the light, with ``rho_d`` and ``rho_s`` of each segment.
-        dim: the same if unseen light is dim: how far they differ shows what hangs on the prior.
+        dim: the same if unseen light is dim; the difference shows how far it depends on the prior.
         gloss: of each segment, fitted under the light that the last round began with; None where
             there were too few observations.
     """
@@ -126,10 +126,8 @@ def infer_jointly(
 
 def _of_segments(light: JointLight, shares: NDArray[np.float64]) -> InferredLight:
     """The light with the mean albedo of segments of these shares (S,)."""
-    unseen, excess = light.factors[:, :PATCHES].T, light.factors[:, PATCHES:].T
     return InferredLight(
-        unseen.astype(np.float32),
-        excess.astype(np.float32),
+        *patches_of(light.factors),
         (shares @ np.nan_to_num(light.rho_d)).astype(np.float32),
         (shares @ np.nan_to_num(light.rho_d_log_deviation)).astype(np.float32),
         light.misfit.astype(np.float32),

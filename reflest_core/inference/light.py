@@ -15,12 +15,15 @@ from reflest_core.inference.joint_scene import JointScene, infer_jointly
 from reflest_core.inference.light_from_reflections import infer_light_by_gloss
 from reflest_core.inference.light_from_shading import InferredLight, infer_from_shading
 from reflest_core.inference.light_prior import BRIGHT, DIM
-from reflest_core.inference.transport.light_patches import LightParts, diffuse_response
-from reflest_core.inference.transport.patch_grid import patch_image
+from reflest_core.inference.transport.light_patches import (
+    LightParts,
+    completed_light,
+    diffuse_response,
+)
 from reflest_core.inference.transport.reflected_patches import reflection
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.inference.transport.visibility import Occluders
-from reflest_core.light.completion import RADIANCE, LightPyramid, complete, levels_below
+from reflest_core.light.completion import LightPyramid, complete
 from reflest_core.light.light_map import SIZE, ObservedLight
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import UNASSIGNED, Partition
@@ -99,7 +102,8 @@ def infer_light(
         for material_id, found in evidence.items()
     }
     (found,) = inferred.values()
-    completed = complete_by(observed, filled, found[1])
+    _, bright, _ = found
+    completed = completed_light(observed, filled, bright.unseen, bright.excess)
     return SceneLight(observed, filled, completed, occluders, evidence, inferred)
 
 
@@ -147,25 +151,6 @@ def assumed_light(surface: ObservedSurface) -> ObservedLight:
     radiance = np.full((SIZE, SIZE, 3), brightness / USUAL_ALBEDO, np.float32)
     coverage = np.full((SIZE, SIZE), ASSUMED_COVERAGE, np.float32)
     return ObservedLight(radiance, coverage, np.zeros((SIZE, SIZE, 3), np.float32))
-
-
-def complete_by(
-    observed: ObservedLight, filled: LightPyramid, found: InferredLight
-) -> LightPyramid:
-    """Add to the light that was seen what was inferred of its unseen and clipped parts.
-
-    Args:
-        observed: the light that was seen.
-        filled: the same, filled smoothly.
-        found: factors to each unseen patch's fill and radiance above white of clipped ones.
-    """
-    fine = filled.levels[0]
-    size = len(fine)
-    bright = observed.radiance + patch_image(found.excess, size) * filled.excess
-    fill = fine[..., RADIANCE] * patch_image(found.unseen, size)
-    radiance = np.where(observed.coverage[..., None] > 0.0, bright, fill)
-    finest = np.concatenate([radiance, fine[..., 3:]], axis=-1).astype(np.float32)
-    return levels_below(finest, filled.excess)
 
 
 def _inferred(

@@ -82,8 +82,10 @@ def infer_light_by_gloss(
 class _Mirrored:
     """What R observations mirror of U unknowns at ``rho_s = 1``: a lobe sees few patches.
 
-    ``starts``: (R + 1,), observation r has the entries ``starts[r]:starts[r + 1]`` of ``columns``,
-    the unknowns, and ``values``, their answers.
+    Attributes:
+        starts: (R + 1,) observation r has the entries ``starts[r]:starts[r + 1]``.
+        columns: Of each entry, the unknown.
+        values: Of each entry, the response to that unknown.
     """
 
     starts: NDArray[np.int64]
@@ -99,9 +101,15 @@ class _Mirrored:
 class _System:
     """One channel: R observations of V voxels, U unknowns that matter to them.
 
-    ``voxel_of``: (R,). ``target``: (R,) colours less what is known of their reflections, ``noise``:
-    (R,) standard deviations. ``is_bound``: (R,) where clipped, so that the colour is at least that.
-    ``diffuse``: (V, U) answers.
+    Attributes:
+        rho_s: Of the surface.
+        matters: (1 + 2 P,) which unknowns matter.
+        voxel_of: (R,) the voxel of each observation.
+        target: (R,) colours less what is known of their reflections.
+        noise: (R,) standard deviations of the target.
+        is_bound: (R,) where clipped, so that the colour is at least that.
+        diffuse: (V, U) responses to diffuse light.
+        mirrored: (R, U) responses of the reflection.
     """
 
     rho_s: float

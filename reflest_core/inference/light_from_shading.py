@@ -4,7 +4,7 @@
 
 A convex surface of one material shades as its light falls: ``D(n) = rho_d E(n) / pi``. With the
 light in patches, that is linear in ``rho_d`` and in ``rho_d`` times what each patch adds; all are
-at least 0. Priors keep what the shading does not tell at plausible values.
+at least 0. Priors keep what the shading does not determine at plausible values.
 """
 
 from __future__ import annotations

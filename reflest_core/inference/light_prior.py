@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What is thought of light and albedo before the surface is asked."""
+"""Priors of light and albedo."""
 
 from __future__ import annotations
 
@@ -119,11 +119,11 @@ def _of_hue(prior: LightPrior, hue: float) -> LightPrior:
 BRIGHT = LightPrior((6.0, 10.0), (2.5, 5.0), (1.2, 1.5))
 """What an orbit does not see is above, and usually bright: a sky, a lamp, a window."""
 SCENE = LightPrior((6.0, 20.0), (2.5, 10.0), (1.2, 3.0))
-"""The same for several materials, whose colours together tell more of the light's strength. Over 24
-lights that strength errs by 0.18 in its logarithm, with :data:`BRIGHT` by more
+"""The same for several materials, whose colours together constrain the light's strength more. Over
+24 lights that strength errs by 0.18 in its logarithm, with :data:`BRIGHT` by more
 (``scripts/light_strength.py``, docs/research/material-trials.md)."""
 DIM = LightPrior((2.0, 4.0), (1.5, 2.7), (1.0, 1.3), (4.0, 21.0))
-"""As if it were not: how much the albedo then differs says what it hangs on."""
+"""As if it were dim: how much the albedo then differs says how far it depends on the prior."""
 
 
 def which_matter(columns: NDArray[np.floating]) -> NDArray[np.bool_]:

@@ -3,8 +3,9 @@
 """One material for the whole surface: for every roughness, the best ``rho_d`` and ``rho_s``.
 
 With the true light and roughness, ``apparent = rho_d + rho_s * lobe(alpha)`` for every observation
-and channel. Unlike :mod:`.lobe_fit`, ``rho_s`` is the same for the three channels, comparisons run
-across voxels too, and outliers (occluded light, highlights of unseen lamps) lose their weight.
+and channel. Unlike in lightnet's :mod:`.lobe_fit`, ``rho_s`` is the same for the three channels,
+comparisons run across voxels too, and outliers (occluded light, highlights of unseen lamps) lose
+their weight.
 """
 
 from __future__ import annotations
@@ -31,11 +32,13 @@ SHARPNESS = 40.0
 
 @dataclass(frozen=True)
 class MaterialFit:
-    """K roughnesses, float32.
+    """The fit at each of K roughnesses, float32.
 
-    ``albedo``: (K, 3), ``rho_d``. ``gloss``: (K,), ``rho_s``. ``misfit``: (K,), root mean square
-    error in units of what is expected, outliers weighing little. ``weight``: (K,), how likely each
-    roughness is by its misfit; they sum to 1.
+    Attributes:
+        albedo: (K, 3) ``rho_d``.
+        gloss: (K,) ``rho_s``.
+        misfit: (K,) root mean square error in units of what is expected, outliers weighing little.
+        weight: (K,) how likely each roughness is by its misfit; they sum to 1.
     """
 
     albedo: NDArray[np.float32]

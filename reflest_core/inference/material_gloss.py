@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Gloss of one of several materials, which are small and seldom show a highlight of seen light.
 
-Each sign of gloss is weak alone: the network's answer, ``rho_s`` in the joint light, and how much
+Each cue of gloss is weak alone: the network's answer, ``rho_s`` in the joint light, and how much
 and how sharply colours change with the view (:mod:`.gloss.view_changes`). Linear regressions of
 ``alpha`` and of ``ln rho_s`` on them give the expected value over measured materials, which is the
 prior that the likelihood of the highlights is then joined with.
@@ -28,7 +28,7 @@ network's ``rho_s``, and on ``ln`` of the change between far views over the irra
 BLUR, PEAKEDNESS, OVER_NOISE = (-1.01, 0.3), (-0.06, 1.44), (-0.74, 3.07)
 CHANGE = (-5.83, -1.7)
 NETWORK_ROUGHNESS = (-3.22, -1.42)
-"""Ranges of the signs in those scans; beyond them they are held."""
+"""Ranges of the cues in those scans; beyond them they are held."""
 LEAST = 0.005
 """Added to ``rho_s`` before its logarithm."""
 ALPHAS = (0.015, 0.33)
@@ -41,7 +41,7 @@ LOG_STRENGTH_ERROR = 0.5
 
 @dataclass(frozen=True)
 class MaterialGloss:
-    """Gloss as the signs together say, with standard deviations.
+    """Gloss as the cues together say, with standard deviations.
 
     Attributes:
         rho_s: specular albedo, the expected value.
@@ -62,7 +62,7 @@ def material_gloss(
     joint_rho_s: float,
     irradiance: float,
 ) -> MaterialGloss:
-    """Regress gloss on all of its signs.
+    """Regress gloss on all of its cues.
 
     Args:
         changes: of the material's colours with the view.
@@ -70,13 +70,13 @@ def material_gloss(
         joint_rho_s: by the joint light.
         irradiance: mean ``E / pi`` on the material, linear.
     """
-    signs = (
+    cues = (
         _held(changes.blur, BLUR),
         _held(changes.peakedness, PEAKEDNESS),
         _held(changes.over_noise, OVER_NOISE),
         _held(math.log(max(float(network[4]), 1e-3)), NETWORK_ROUGHNESS),
     )
-    expected = ROUGHNESS[0] + sum(a * b for a, b in zip(ROUGHNESS[1:], signs, strict=True))
+    expected = ROUGHNESS[0] + sum(a * b for a, b in zip(ROUGHNESS[1:], cues, strict=True))
     alpha = _held(expected, ALPHAS)
     change = math.log(changes.far_change / max(irradiance, 1e-6))
     of_strength = (_log_strength(joint_rho_s), _log_strength(network[3]), _held(change, CHANGE))

@@ -31,7 +31,7 @@ class ParameterStatistics:
 
     @staticmethod
     def of(parameters: NDArray[np.float64]) -> ParameterStatistics:
-        """Compute the statistics of (S, 5) parameters.
+        """Compute the statistics of a training set.
 
         Args:
             parameters: (S, 5) parameters.
@@ -39,16 +39,16 @@ class ParameterStatistics:
         return ParameterStatistics(parameters.mean(axis=0), parameters.std(axis=0))
 
     def normalise(self, parameters: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Z-score parameters (..., 5).
+        """Z-score parameters.
 
         Args:
-            parameters: (S, 5) parameters.
+            parameters: (..., 5) parameters.
         """
         scores: NDArray[np.float64] = (parameters - self.mean) / self.stddev
         return scores
 
     def restore(self, scores: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Undo :meth:`normalise` for z-scores (..., 5).
+        """Undo :meth:`normalise`.
 
         Args:
             scores: (..., 5) z-scores.

@@ -103,11 +103,11 @@ def _loaded(name: str, value: str) -> NetworkDefinition:
         made = EntryPoint(name, value, GROUP).load()()
     except Exception as error:
         raise RegistryError(
-            f"{place} cannot be loaded ({type(error).__name__}: {error}): mend or uninstall its "
+            f"{place} cannot be loaded ({type(error).__name__}: {error}): repair or uninstall its "
             "package"
         ) from error
     if not isinstance(made, NetworkDefinition):
-        raise RegistryError(f"{place} is no NetworkDefinition: mend or uninstall its package")
+        raise RegistryError(f"{place} is no NetworkDefinition: repair or uninstall its package")
     return made
 
 

@@ -72,8 +72,8 @@ class TorchNetwork:
         )
         inputs = [torch.from_numpy(values)[None].to(self._device) for values in features]
         with torch.inference_mode(), exact:
-            found = self._module(*inputs)
-        outputs = found if isinstance(found, tuple) else (found,)
+            made = self._module(*inputs)
+        outputs = made if isinstance(made, tuple) else (made,)
         return Scores(*(np.asarray(output[0].cpu().numpy(), np.float32) for output in outputs))
 
 

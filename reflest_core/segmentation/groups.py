@@ -89,8 +89,8 @@ def gloss_groups(
     """Join segments into materials.
 
     Args:
-        sizes: (S,) voxels of each segment.
         borders: where the segments touch.
+        sizes: (S,) voxels of each segment.
         log_likelihood: (S, K) of each segment's observations under each roughness; equal values
             where they hold no information.
         lab: (S, 3) each segment's L / 2, a, b.

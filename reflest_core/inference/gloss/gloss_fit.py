@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Gloss from what changes with the view: whatever the diffuse light, seen lobes tell ``rho_s``.
+"""Gloss from what changes with the view: whatever the diffuse light, lobes determine ``rho_s``.
 
 Within a voxel, ``radiance = diffuse + rho_s * lobe(alpha)``, with one unknown diffuse radiance for
 each voxel and channel, and what the lobes see of clipped and unseen light (:mod:`.gloss_kernel`).
@@ -22,16 +22,18 @@ EVIDENCE = 0.15
 """Power of the misfit's inverse that makes a roughness likely, for each observation that counted.
 It would be 3 (channels) for Gaussian errors of unknown size, but neighbours err alike."""
 SURE = 0.5
-"""The same if hardly any errs as its neighbours do."""
+"""The same where the errors of neighbours are nearly independent."""
 
 
 @dataclass(frozen=True)
 class GlossFit:
-    """K roughnesses, float32.
+    """The fit at each of K roughnesses, float32.
 
-    ``gloss``: (K,), ``rho_s``. ``deviation``: (K,), its standard deviation. ``misfit``: (K,), root
-    mean square error in units of what is expected, outliers weighing little. ``count``: (K,), of
-    observations that counted.
+    Attributes:
+        gloss: (K,) ``rho_s``.
+        deviation: (K,) its standard deviation.
+        misfit: (K,) root mean square error in units of what is expected, outliers weighing little.
+        count: (K,) observations that counted.
     """
 
     gloss: NDArray[np.float32]

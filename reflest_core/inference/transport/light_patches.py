@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.inference.transport.irradiance import Incoming
-from reflest_core.inference.transport.patch_grid import PATCHES, texels_of_patches
-from reflest_core.light.completion import LightPyramid, halved_to
+from reflest_core.inference.transport.patch_grid import PATCHES, patch_image, texels_of_patches
+from reflest_core.light.completion import RADIANCE, LightPyramid, halved_to, levels_below
 from reflest_core.light.cosine_weights import SIZE
 from reflest_core.light.light_map import ObservedLight
 
@@ -77,6 +77,41 @@ class LightParts:
             part.reshape(-1, 3) for part in (both[..., :3], both[..., 3:], level[..., :3])
         )
         return LightParts(seen, np.maximum(whole - seen, 0.0), excess)
+
+
+def patches_of(values: NDArray[np.floating]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Separate what patches hold of unseen light from what they hold of clipped light.
+
+    Args:
+        values: (3, 2 P), of each channel: of the patches' unseen light, then of their excess.
+
+    Returns:
+        (P, 3) each, as :func:`completed_light` takes them.
+    """
+    return values.T[:PATCHES].astype(np.float32), values.T[PATCHES:].astype(np.float32)
+
+
+def completed_light(
+    observed: ObservedLight,
+    filled: LightPyramid,
+    unseen: NDArray[np.float32],
+    excess: NDArray[np.float32],
+) -> LightPyramid:
+    """Add to the light that was seen what was inferred of its unseen and clipped parts.
+
+    Args:
+        observed: the light as it was seen.
+        filled: the same, filled smoothly.
+        unseen: (P, 3) factor to each patch's fill.
+        excess: (P, 3) radiance above white where a patch was clipped.
+    """
+    fine = filled.levels[0]
+    size = len(fine)
+    bright = observed.radiance + patch_image(excess, size) * filled.excess
+    fill = fine[..., RADIANCE] * patch_image(unseen, size)
+    radiance = np.where(observed.coverage[..., None] > 0.0, bright, fill)
+    finest = np.concatenate([radiance, fine[..., 3:]], axis=-1).astype(np.float32)
+    return levels_below(finest, filled.excess)
 
 
 def diffuse_response(light: LightParts, incoming: Incoming) -> PatchResponse:

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Directions in 64 patches: as finely as a surface can tell of light, or hide it."""
+"""Directions in 64 patches: as finely as a surface resolves light, or hides it."""
 
 from __future__ import annotations
 

@@ -71,9 +71,13 @@ class Sight:
 
 @dataclass(frozen=True)
 class Occluders:
-    """Discs that stand for a surface: ``positions``, ``normals`` (D, 3), ``areas`` (D,) in m^2.
+    """Surfels that stand for a surface.
 
-    ``own``: (3,), their mean linear radiance.
+    Attributes:
+        positions: (D, 3) metres.
+        normals: (D, 3) unit.
+        areas: (D,) square metres.
+        own: (3,) their mean linear radiance.
     """
 
     positions: NDArray[np.float32]

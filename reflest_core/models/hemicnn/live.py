@@ -36,12 +36,12 @@ class LiveHemiCNN:
     """The network of ``models/hemicnn/network.py`` with ``tensors`` of :data:`SHAPES`."""
 
     def __init__(self, tensors: Tensors) -> None:
-        # The channel comes last here, so that a patch is copied in long runs.
         """Take the weights.
 
         Args:
             tensors: The trained weights by name.
         """
+        # The channel comes last here, so that a patch is copied in long runs.
         self._conv1 = _channels_last(tensors["conv1.weight"], tensors["conv1.bias"])
         self._conv2 = _channels_last(tensors["conv2.weight"], tensors["conv2.bias"])
         pooled = tensors["fc1.weight"].reshape(64, 16, 3, 3)

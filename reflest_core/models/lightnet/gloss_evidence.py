@@ -14,7 +14,7 @@ GLOSS_EVIDENCE = len(ALPHAS) + 7
 LEAST = 0.01
 """Added before the logarithm of a ``rho_s``."""
 FURTHEST = -50.0
-"""Least log-likelihood that is told apart."""
+"""Log-likelihood below which values are not distinguished."""
 
 
 def gloss_evidence(posterior: GlossPosterior | None) -> NDArray[np.float32]:

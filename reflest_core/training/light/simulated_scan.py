@@ -82,7 +82,7 @@ def simulated_scan(
         scene: The scene.
         draw: How it is scanned.
         rng: Of random numbers.
-        without: See :func:`~reflest_core.models.lightnet.features.features_under`.
+        without: See :func:`~reflest_core.models.lightnet.features.light_features`.
 
     Returns:
         The features; None where the scan shows too little of the surface.

@@ -83,7 +83,7 @@ class LightTask:
         return LightNet().to(self.device)
 
     def batches(self, first: int, parts: Sequence[int]) -> Iterator[LightBatch]:
-        """See :func:`~reflest_core.training.light.light_batches.light_batches`.
+        """See :func:`~reflest_core.training.light.batches.light_batches`.
 
         Args:
             first: Number of the first minibatch.

@@ -8,10 +8,11 @@ import warnings
 import numpy as np
 import pytest
 
-from reflest_core.inference.joint_light import JointInference, complete_by
+from reflest_core.inference.joint_light import JointInference
 from reflest_core.inference.joint_scene import infer_jointly
 from reflest_core.inference.light import infer_light
 from reflest_core.inference.photometric_error import photometric_error
+from reflest_core.inference.transport.light_patches import completed_light, patches_of
 from reflest_core.inference.transport.patch_grid import PATCHES
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.inference.transport.surface_irradiance import SurfaceSight, surface_irradiance
@@ -146,7 +147,7 @@ def test_the_same_scan_gives_the_same_bits(scene, found):
 def test_prior_factors_fill_unseen_light_with_multiples_of_the_smooth_fill(scene):
     seen, filled = scene.surface.light, complete(scene.surface.light)
     factors = np.concatenate([np.full((3, 64), 2.0), np.zeros((3, 64))], axis=1)
-    fine = complete_by(seen, filled, factors).levels[0]
+    fine = completed_light(seen, filled, *patches_of(factors)).levels[0]
     unseen = seen.coverage == 0.0
     np.testing.assert_allclose(fine[unseen, :3], 2.0 * filled.levels[0][unseen, :3], rtol=1e-6)
 

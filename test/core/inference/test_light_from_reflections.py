@@ -7,11 +7,14 @@ import dataclasses
 import numpy as np
 
 from reflest_core.inference.gloss.gloss_fit import GlossFit
-from reflest_core.inference.light import complete_by
 from reflest_core.inference.light_from_reflections import infer_light_by_gloss
 from reflest_core.inference.light_from_shading import infer_from_shading
 from reflest_core.inference.transport.irradiance import incoming, mean_radiance
-from reflest_core.inference.transport.light_patches import LightParts, diffuse_response
+from reflest_core.inference.transport.light_patches import (
+    LightParts,
+    completed_light,
+    diffuse_response,
+)
 from reflest_core.inference.transport.reflected_patches import reflection
 from reflest_core.inference.transport.ward_lobe import ROUGHNESSES, lobe_radiance
 from reflest_core.light.completion import complete
@@ -35,7 +38,7 @@ def sky():
     return radiance
 
 
-def told(rho_s):
+def gloss_of(rho_s):
     """A fit that is sure of the gloss."""
     misfit = np.ones(len(ROUGHNESSES), np.float32)
     misfit[ROUGHNESS] = 0.1
@@ -52,7 +55,7 @@ def explained(rho_s):
     )
     mirrored = reflection(filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions)
     start = np.full(3, 0.3, np.float32)
-    (whole,) = infer_light_by_gloss(sample, response, mirrored, told(rho_s), start)
+    (whole,) = infer_light_by_gloss(sample, response, mirrored, gloss_of(rho_s), start)
     return sample, light, filled, response, whole
 
 
@@ -97,7 +100,7 @@ def test_the_unseen_window_is_found():
     truth = mean_radiance(complete(known(sky())), sample.normals)[:, :3]
     before, after = (
         np.abs(np.log(mean_radiance(pyramid, sample.normals)[:, :3] / truth)).mean()
-        for pyramid in (filled, complete_by(light, filled, whole))
+        for pyramid in (filled, completed_light(light, filled, whole.unseen, whole.excess))
     )
     assert after < 0.4 * before
 
@@ -107,7 +110,7 @@ def test_every_second_observation_says_nearly_as_much():
     half = sample.every(2)
     np.testing.assert_array_equal(half.spread(half.colours)[half.voxel_of, half.slot], half.colours)
     mirrored = reflection(filled, ROUGHNESS, half.normals[half.voxel_of], half.directions)
-    (found,) = infer_light_by_gloss(half, response, mirrored, told(0.3), whole.albedo)
+    (found,) = infer_light_by_gloss(half, response, mirrored, gloss_of(0.3), whole.albedo)
     assert len(half.colours) == (len(sample.colours) + 1) // 2
     np.testing.assert_allclose(found.albedo, whole.albedo, rtol=0.1)
 
@@ -141,8 +144,10 @@ def test_what_is_clipped_asks_for_no_less_light():
         )
         of = sample.normals[sample.voxel_of]
         mirrored = reflection(filled, ROUGHNESS, of, sample.directions)
-        (found,) = infer_light_by_gloss(sample, response, mirrored, told(0.0), np.full(3, 0.3))
-        sky = mean_radiance(complete_by(light, filled, found), normals[-1:])[0, 0]
+        (found,) = infer_light_by_gloss(sample, response, mirrored, gloss_of(0.0), np.full(3, 0.3))
+        sky = mean_radiance(
+            completed_light(light, filled, found.unseen, found.excess), normals[-1:]
+        )[0, 0]
         above.append(float(found.albedo[0] * sky))
     bound, without = above
     assert bound > 0.7
@@ -170,7 +175,7 @@ def test_a_channel_that_is_all_clipped_says_nothing():
         sample,
         diffuse_response(LightParts.of(light, filled), incoming(cosine_weights(sample.normals))),
         reflection(filled, ROUGHNESS, sample.normals[sample.voxel_of], sample.directions),
-        told(0.3),
+        gloss_of(0.3),
         np.full(3, 0.3, np.float32),
     )
     assert found.albedo[0] == np.float32(0.3)

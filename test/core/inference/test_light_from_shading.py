@@ -5,11 +5,14 @@
 import numpy as np
 import pytest
 
-from reflest_core.inference.light import complete_by
 from reflest_core.inference.light_from_shading import infer_from_shading
 from reflest_core.inference.light_prior import BRIGHT, DIM, HUE
 from reflest_core.inference.transport.irradiance import incoming, mean_radiance
-from reflest_core.inference.transport.light_patches import LightParts, diffuse_response
+from reflest_core.inference.transport.light_patches import (
+    LightParts,
+    completed_light,
+    diffuse_response,
+)
 from reflest_core.inference.transport.patch_grid import PATCHES, patch_directions
 from reflest_core.light.completion import complete
 from reflest_core.light.cosine_weights import cosine_weights
@@ -69,7 +72,7 @@ def test_a_clipped_lamp_regains_its_strength():
     observed = seen_as(radiance, np.ones((SIZE, SIZE), np.float32))
     filled, found = inferred(observed, colours)
     assert error_of(filled, truth) > 0.25
-    assert error_of(complete_by(observed, filled, found), truth) < 0.1
+    assert error_of(completed_light(observed, filled, found.unseen, found.excess), truth) < 0.1
     np.testing.assert_allclose(found.albedo, ALBEDO, rtol=0.15)
 
 
@@ -79,7 +82,7 @@ def test_an_unseen_lamp_is_found_where_it_is():
     colours, truth = colours_under(radiance)
     observed = seen_as(radiance, (directions[..., 2] < 0.2).astype(np.float32))
     filled, found = inferred(observed, colours)
-    light = complete_by(observed, filled, found)
+    light = completed_light(observed, filled, found.unseen, found.excess)
     assert error_of(light, truth) < 0.5 * error_of(filled, truth)
     brightest = np.unravel_index(light.levels[0][..., 0].argmax(), (SIZE, SIZE))
     assert directions[brightest] @ np.array([0.6, 0.0, 0.8]) > 0.7
@@ -157,4 +160,4 @@ def test_black_and_clipped_surfaces_say_nothing_and_break_nothing(colour):
 def test_no_light_at_all_breaks_nothing():
     dark = seen_as(sky(), np.zeros((SIZE, SIZE), np.float32))
     filled, found = inferred(dark, np.full((400, 3), 0.5, np.float32))
-    assert np.isfinite(complete_by(dark, filled, found).levels[0]).all()
+    assert np.isfinite(completed_light(dark, filled, found.unseen, found.excess).levels[0]).all()
