@@ -82,7 +82,7 @@ def test_too_little_seen_is_said():
     light = seen(0, 0.4, highest=-1.0)
     joined = rooms().joined(light)
     assert joined.light is light
-    assert "too little was seen" in joined.problem
+    assert "too little of the surroundings was seen" in joined.problem
 
 
 def test_only_what_is_known_of_a_room_is_taken():
