@@ -28,9 +28,8 @@ from std_msgs.msg import Empty
 from benchmarks.measuring.machine import ROOT, describe_machine
 from reflest_ros.inputs.publication_gaps import PublicationGaps, with_message_info
 from reflest_ros.inputs.qos import OUTPUT_QOS, input_qos
+from reflest_ros.process import PROFILE, PROFILE_VARIABLE
 
-PROFILE = ROOT / "config" / "fastdds_large_messages.xml"
-PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
 STREAMS = {"rgb": ("rgb8", 3), "depth": ("16UC1", 2)}  # encoding, bytes of a pixel
 WIDTH, HEIGHT = 640, 480
 MATCH_LIMIT = 60.0

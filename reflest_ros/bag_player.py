@@ -73,10 +73,13 @@ class BagPlayer(Node):
         return self.create_publisher(message_type, topic.name, qos)
 
     def wait_for_subscribers(self, timeout: float) -> None:
-        """Return once every topic has a subscriber; :class:`CaptureError` after ``timeout`` s.
+        """Return once every topic has a subscriber.
 
         Args:
             timeout: seconds.
+
+        Raises:
+            CaptureError: A topic has none when they are over.
         """
         deadline = time.monotonic() + timeout
         executor = SingleThreadedExecutor()
@@ -92,10 +95,13 @@ class BagPlayer(Node):
         executor.remove_node(self)
 
     def play(self, rate: float) -> int:
-        """Publish everything at ``rate`` times the recorded speed; return the number.
+        """Publish every message.
 
         Args:
             rate: times the recorded speed.
+
+        Returns:
+            The number of messages.
         """
         count = 0
         first_ns = None
@@ -109,17 +115,23 @@ class BagPlayer(Node):
         return count
 
     def wait_for_acknowledgement(self, timeout: float) -> None:
-        """Return once reliable subscribers have everything; :class:`CaptureError` otherwise.
+        """Return once reliable subscribers have acknowledged everything.
 
         Args:
-            timeout: seconds.
+            timeout: seconds for all topics together.
+
+        Raises:
+            CaptureError: One has not when they are over.
         """
         deadline = time.monotonic() + timeout
         for topic, output in self._outputs.items():
             # In slices, between which a signal is heard.
             while not output.wait_for_all_acked(Duration(seconds=0.1)):
                 if time.monotonic() > deadline:
-                    raise CaptureError(f"a subscriber of {topic} took not all in {timeout:g} s")
+                    raise CaptureError(
+                        f"a subscriber of {topic} did not acknowledge every message in "
+                        f"{timeout:g} s"
+                    )
 
     @property
     def damage(self) -> str | None:
@@ -135,10 +147,13 @@ class BagPlayer(Node):
 
 
 def open_bag_files(path: Path) -> list[BagFile]:
-    """The files of a bag in recorded order: one .mcap or .db3 file, or those of a directory.
+    """Open the files of a bag in recorded order.
 
     Args:
-        path: the file.
+        path: one .mcap or .db3 file, or a directory of them.
+
+    Raises:
+        CaptureError: It holds no such file, or one that cannot be read.
     """
     paths = sorted(path.iterdir()) if path.is_dir() else [path]
     files = [READERS_BY_SUFFIX[one.suffix](one) for one in paths if one.suffix in READERS_BY_SUFFIX]

@@ -11,6 +11,7 @@ from rclpy.experimental import EventsExecutor
 
 from reflest_core.errors import ReflestError
 from reflest_ros.process import (
+    PROFILE_VARIABLE,
     avoid_pauses,
     ignore_signals,
     limit_clean_up,
@@ -19,8 +20,6 @@ from reflest_ros.process import (
 )
 from reflest_ros.shared_memory import remove_left_segments, room_problem
 from reflest_ros.threads import Spinning
-
-PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
 
 
 def main(args: list[str] | None = None) -> int:

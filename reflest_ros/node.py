@@ -260,7 +260,9 @@ class EstimatorNode(LifecycleNode):
         )
         self._diagnostics.phase = "starting: loads the weights and compiles"
         try:
-            session = ScanSession(self, self._node_settings, self._settings, self.crash)
+            session = ScanSession(
+                self, self._node_settings, self._settings, self.offered, self.crash
+            )
         finally:
             self._diagnostics.phase = ""
         self._session = session
@@ -285,7 +287,7 @@ class EstimatorNode(LifecycleNode):
             session.close()
             self.offered.withdraw()
             del session
-            give_back_memory()  # its arrays hang in cycles, which Python would keep for long
+            give_back_memory()  # reference cycles hold its arrays, which Python would keep for long
 
     @property
     def _configured(self) -> ScanSession:

@@ -13,6 +13,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 
 import rclpy
 from rclpy.signals import SignalHandlerOptions
@@ -37,6 +38,9 @@ what one scan's threads freed is not used by those of the next."""
 KILLED = 3
 """Exit code of a process whose clean-up took too long."""
 
+PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
+PROFILE = Path(__file__).resolve().parents[1] / "config" / "fastdds_large_messages.xml"
+"""Of Fast DDS, with shared memory for large messages; only in a checkout."""
 
 PLACE = re.compile(r",? at /\S+\.(c|cpp|hpp):\d+")
 """Where in its sources the middleware found a mistake."""
@@ -88,6 +92,14 @@ def _init(args: list[str] | None) -> None:
                 "node's keys with ros2 security create_enclave, or unset ROS_SECURITY_ENABLE"
             )
         raise StartError(f"ROS cannot be started: {reason}") from error
+
+
+def use_private_domain() -> None:
+    """Keep to this machine and off other robots' domain, unless the user chose one."""
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
+    if PROFILE.exists():
+        os.environ.setdefault(PROFILE_VARIABLE, str(PROFILE))
 
 
 def ignore_signals() -> None:

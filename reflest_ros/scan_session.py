@@ -9,7 +9,6 @@ import gc
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Protocol
 
 from rclpy.node import Node
 
@@ -39,12 +38,6 @@ MATERIAL_VOXELS = 50_000
 """Voxels of which materials are estimated; a larger scan is thinned evenly."""
 
 
-class OfferingNode(Protocol):
-    """A node with its pools of services."""
-
-    offered: NodeServices
-
-
 class ScanSession:
     """Fuses what the inputs bring while it is active, and answers services until it is closed.
 
@@ -65,14 +58,16 @@ class ScanSession:
         node: Node,
         node_settings: NodeSettings,
         settings: ReflestSettings,
+        pools: NodeServices,
         on_crash: Callable[[BaseException], None],
     ) -> None:
         """Load, compile, allocate, start the threads and offer the services.
 
         Args:
-            node: The node, an :class:`OfferingNode`.
+            node: The node.
             node_settings: The node's own parameters.
             settings: The core's parameters.
+            pools: Answer its services.
             on_crash: Called with what ended a thread.
 
         Raises:
@@ -114,7 +109,6 @@ class ScanSession:
             if self.autosave.resume():
                 self._continue_loaded_scan()
             on_failure.pop_all()
-        pools = node.offered
         ScanServices(node, self, files, pools)
         MaterialServices(pools.quick, self.output.materials)
         threads = self.fusion, self.estimation
@@ -187,7 +181,7 @@ class ScanSession:
         def put_to_use() -> None:
             if use_estimation is not None:
                 use_estimation()
-                gc.collect()  # the old network's arrays hang in cycles
+                gc.collect()  # reference cycles hold the old network's arrays
             if settings.keyframe != self._settings.keyframe:
                 policy = KeyframePolicy(settings.keyframe)
                 self.fusion.call_now(lambda: setattr(self.scanner, "keyframes", policy)).result()

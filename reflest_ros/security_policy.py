@@ -13,9 +13,8 @@ import sys
 from collections.abc import Iterable
 from xml.etree import ElementTree
 
-from reflest_ros.demo.playback import use_private_domain
 from reflest_ros.node import EstimatorNode
-from reflest_ros.process import ros_process
+from reflest_ros.process import ros_process, use_private_domain
 from reflest_ros.settings import NODE_NAME
 from reflest_ros.viewer.__main__ import ViewerNode
 from reflest_ros.viewer.live_source import LiveSource

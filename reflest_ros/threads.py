@@ -13,6 +13,8 @@ from typing import TypeVar
 from rclpy.executors import Executor
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 
+from reflest_core.errors import ReflestError
+
 InvalidHandle: type[Exception] = _rclpy.InvalidHandle
 
 LONGEST_WAIT = 0.5
@@ -59,6 +61,11 @@ def resolve(futures: Sequence[Future[T]], work: Callable[[], T]) -> None:
     else:
         for future in futures:
             future.set_result(result)
+
+
+def shutting_down() -> ReflestError:
+    """Return what the futures of a worker that has been stopped end with."""
+    return ReflestError("the estimator is shutting down")
 
 
 def _nothing() -> None:

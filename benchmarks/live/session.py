@@ -13,14 +13,12 @@ from typing import Any
 
 from benchmarks.live.listener import Listener, LiveRunFailed
 from benchmarks.live.message_account import account
-from benchmarks.measurements.estimate_publisher import use_private_domain
-from benchmarks.measuring.machine import ROOT
 from benchmarks.measuring.resident_memory import peak_mb
 from benchmarks.scene.table_scene import REGION
 from reflest_core.synbrdf.sequences.bag_writer import RGB
 from reflest_ros.demo.playback import running
+from reflest_ros.process import use_private_domain
 
-PROFILE = ROOT / "config" / "fastdds_large_messages.xml"
 START_LIMIT = 240.0
 """Seconds; the first start after installation compiles."""
 SETTLE_LIMIT = 120.0
@@ -49,7 +47,6 @@ def measure(bag: str, frames: int, seconds: float, has_viewer: bool = False) -> 
         LiveRunFailed: a process ended early or missed its time limit.
     """
     use_private_domain()
-    os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(PROFILE))
     listener = Listener()
     try:
         started = time.monotonic()

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 from collections.abc import Callable, Iterator
 
 import rclpy
@@ -15,6 +14,7 @@ from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_ros.inputs.qos import OUTPUT_QOS
 from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
 from reflest_ros.outputs.estimate_message import estimate_to_message
+from reflest_ros.process import use_private_domain
 
 TOPIC = "/benchmark/brdf"
 
@@ -33,9 +33,3 @@ def publishing() -> Iterator[Callable[[BrdfEstimate], None]]:
     finally:
         node.destroy_node()
         context.try_shutdown()
-
-
-def use_private_domain() -> None:
-    """Limit discovery to this machine and to a separate domain, unless the user chose one."""
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))

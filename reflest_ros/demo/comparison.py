@@ -13,7 +13,15 @@ from reflest_core.estimation.estimate import BrdfEstimate
 
 @dataclass(frozen=True)
 class ComparedParameter:
-    """One number of the BRDF with its meaning; ``stddev`` is NaN where it is not known."""
+    """One number of the BRDF beside its truth.
+
+    Attributes:
+        name: As it is printed.
+        meaning: In words.
+        truth: The true value.
+        estimate: The estimated value.
+        stddev: The estimate's standard deviation; NaN where it is not known.
+    """
 
     name: str
     meaning: str

@@ -5,11 +5,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from reflest_core.brdf.parameters import WardParameters
@@ -17,6 +15,7 @@ from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.rendering.environments import studio
 from reflest_core.rendering.sphere import render_environment, render_point_light, tone_map
 from reflest_ros.demo.comparison import ComparedParameter
+from reflest_ros.demo.sheet import Sheet
 from reflest_ros.demo.shipped_capture import ward_parameters
 
 LIGHTS = {"left": (-0.85, -0.6, 0.45), "front": (0.15, -0.9, 0.6), "right": (0.9, -0.25, 0.35)}
@@ -26,7 +25,7 @@ SPHERE = 250
 """Pixels on a side."""
 
 # The page, in inches; lengths are measured from its left and its top.
-WIDTH, HEIGHT, DPI = 16.0, 7.5, 100
+WIDTH, HEIGHT = 16.0, 7.5
 MARGIN, TOP = 0.45, 1.35
 COLUMN = 4.4
 SPHERES_LEFT, SIDE, GAP = 5.45, 2.5, 0.06
@@ -51,29 +50,28 @@ def draw(
         compared: parameters with truth and estimate.
         capture: its name.
     """
-    figure = Figure(figsize=(WIDTH, HEIGHT), dpi=DPI, facecolor=PAPER)
-    _write(figure, MARGIN, 0.55, "reflest", fontsize=26, weight="bold", color=INK)
+    sheet = Sheet(WIDTH, HEIGHT, PAPER, INK)
+    sheet.write(MARGIN, 0.55, "reflest", fontsize=26, weight="bold", color=INK)
     subtitle = "the reflectance of a surface, estimated while it is scanned"
-    _write(figure, SPHERES_LEFT, 0.55, subtitle, fontsize=16, color=FAINT)
+    sheet.write(SPHERES_LEFT, 0.55, subtitle, fontsize=16, color=FAINT)
 
     height = COLUMN * frame.shape[0] / frame.shape[1]
-    _write(figure, MARGIN, TOP - 0.16, f"from a frame of the scan “{capture}”", color=FAINT)
-    _show(_axes(figure, MARGIN, TOP, COLUMN, height), frame)
+    sheet.write(MARGIN, TOP - 0.16, f"from a frame of the scan “{capture}”", color=FAINT)
+    sheet.show(MARGIN, TOP, COLUMN, height, frame)
     table_top = TOP + height + 0.2
-    table = _axes(figure, MARGIN, table_top, COLUMN, HEIGHT - table_top - 0.3)
+    table = sheet.axes(MARGIN, table_top, COLUMN, HEIGHT - table_top - 0.3)
     _show_table(table, compared)
 
     for row, material in enumerate((truth, ward_parameters(estimate.to_json()))):
         top = TOP + row * (SIDE + GAP)
         for column, (light, picture) in enumerate(_pictures(material).items()):
             left = SPHERES_LEFT + column * (SIDE + GAP)
-            _show(_axes(figure, left, top, SIDE, SIDE), picture)
+            sheet.show(left, top, SIDE, SIDE, picture)
             if row == 0:
-                _write(figure, left, TOP - 0.16, light, color=FAINT)
+                sheet.write(left, TOP - 0.16, light, color=FAINT)
     for row, name in enumerate(("truth", "estimate")):
         middle = TOP + row * (SIDE + GAP) + SIDE / 2
-        _write(
-            figure,
+        sheet.write(
             SPHERES_LEFT - 0.22,
             middle,
             name,
@@ -84,9 +82,8 @@ def draw(
             ha="center",
             va="center",
         )
-    _write(figure, SPHERES_LEFT, TOP + 2 * SIDE + GAP + 0.4, _basis(estimate), color=FAINT)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, facecolor=PAPER)
+    sheet.write(SPHERES_LEFT, TOP + 2 * SIDE + GAP + 0.4, _basis(estimate), color=FAINT)
+    sheet.save(path)
 
 
 def _basis(estimate: BrdfEstimate) -> str:
@@ -104,20 +101,6 @@ def _pictures(material: WardParameters) -> dict[str, NDArray[np.uint8]]:
         linear = render_point_light(material, direction, SPHERE)
         pictures[f"point light, {name}"] = tone_map(linear, LIGHT_EXPOSURE)
     return pictures
-
-
-def _axes(figure: Figure, left: float, top: float, width: float, height: float) -> Axes:
-    bottom = HEIGHT - top - height
-    return figure.add_axes((left / WIDTH, bottom / HEIGHT, width / WIDTH, height / HEIGHT))
-
-
-def _write(figure: Figure, left: float, top: float, text: str, **style: Any) -> None:
-    figure.text(left / WIDTH, 1 - top / HEIGHT, text, **{"fontsize": 12, **style})
-
-
-def _show(axes: Axes, picture: NDArray[np.uint8]) -> None:
-    axes.imshow(picture, interpolation="lanczos")
-    axes.set_axis_off()
 
 
 def _show_table(axes: Axes, compared: list[ComparedParameter]) -> None:

@@ -2,8 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """``python -m reflest_ros.demo.pictures``: the pictures of the views in ``docs/images``.
 
-They are renders of the very messages that the node publishes, by a small renderer of our own; no
-display of ROS takes part in them.
+They are rendered from the very messages that the node publishes, without RViz or Foxglove.
 """
 
 from __future__ import annotations

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import signal
 import subprocess
 import sys
@@ -30,10 +29,10 @@ from reflest_ros.msg import MaterialMap
 from reflest_ros.outputs.estimate_message import estimate_from_message
 from reflest_ros.outputs.material_message import POINT
 from reflest_ros.outputs.material_output import TOPIC
+from reflest_ros.process import use_private_domain
 from reflest_ros.settings import NODE_NAME
 from reflest_ros.srv import Estimate, SaveScan
 
-PROFILE = Path(__file__).resolve().parents[2] / "config" / "fastdds_large_messages.xml"
 ESTIMATOR = [
     "-m",
     "reflest_ros.estimator",
@@ -171,14 +170,6 @@ def play_over_dds(bag: Path, output: Path) -> Played:
         listener.destroy_node()
         executor.shutdown()
         context.try_shutdown()
-
-
-def use_private_domain() -> None:
-    """Keep to this machine and off other robots' domain, unless the user chose one."""
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
-    if PROFILE.exists():
-        os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(PROFILE))
 
 
 @contextlib.contextmanager

@@ -6,11 +6,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from numpy.typing import NDArray
-
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.capture.frame import Frame
 from reflest_core.estimation.estimate import BrdfEstimate
@@ -18,9 +13,10 @@ from reflest_core.rendering.standing_sphere import standing_sphere
 from reflest_core.viewer.lights import Light
 from reflest_ros.demo.matched_materials import MatchedMaterial
 from reflest_ros.demo.model import Model
+from reflest_ros.demo.sheet import Sheet
 from reflest_ros.demo.shipped_capture import ward_parameters
 
-WIDTH, HEIGHT, DPI = 16.0, 8.5, 100
+WIDTH, HEIGHT = 16.0, 8.5
 MARGIN, GAP, TOP = 0.4, 0.12, 1.3
 INK, FAINT, PAPER = "#1d1d1f", "#6b6b70", "#fbfaf8"
 IMAGE_WIDTH = 960
@@ -39,10 +35,10 @@ def draw_table(path: Path, frame: Frame, model: Model, matched: list[MatchedMate
         model: the scan with its materials.
         matched: true and estimated materials.
     """
-    figure = Figure(figsize=(WIDTH, HEIGHT), dpi=DPI, facecolor=PAPER)
-    _write(figure, MARGIN, 0.55, "reflest", fontsize=26, weight="bold")
+    sheet = Sheet(WIDTH, HEIGHT, PAPER, INK)
+    sheet.write(MARGIN, 0.55, "reflest", fontsize=26, weight="bold")
     line = "the materials of everything that a robot scans, estimated while it scans"
-    _write(figure, 2.6, 0.55, line, fontsize=16, color=FAINT)
+    sheet.write(2.6, 0.55, line, fontsize=16, color=FAINT)
     width = (WIDTH - 2 * MARGIN - 2 * GAP) / 3
     height = width * frame.rgb.shape[0] / frame.rgb.shape[1]
     pictures = {
@@ -54,28 +50,27 @@ def draw_table(path: Path, frame: Frame, model: Model, matched: list[MatchedMate
     }
     for column, (title, picture) in enumerate(pictures.items()):
         left = MARGIN + column * (width + GAP)
-        _write(figure, left, TOP - 0.14, title, color=FAINT)
-        _show(_axes(figure, left, TOP, width, height), picture)
-    _draw_spheres(figure, matched[:MOST_MATERIALS], TOP + height + 0.55)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, facecolor=PAPER)
+        sheet.write(left, TOP - 0.14, title, color=FAINT)
+        sheet.show(left, TOP, width, height, picture)
+    _draw_spheres(sheet, matched[:MOST_MATERIALS], TOP + height + 0.55)
+    sheet.save(path)
 
 
-def _draw_spheres(figure: Figure, matched: list[MatchedMaterial], top: float) -> None:
+def _draw_spheres(sheet: Sheet, matched: list[MatchedMaterial], top: float) -> None:
     """Pairs of spheres, truth and estimate, with their numbers below."""
     cell = (WIDTH - 2 * MARGIN - (len(matched) - 1) * 2 * GAP) / max(len(matched), 1)
     side = min(cell / 2, HEIGHT - top - 0.75)
     for column, one in enumerate(matched):
         left = MARGIN + column * (cell + 2 * GAP)
         name = one.part.replace("-", " ")
-        _write(figure, left, top - 0.14, name, color=INK, weight="bold")
+        sheet.write(left, top - 0.14, name, color=INK, weight="bold")
         estimated = ward_parameters(one.estimate.to_json())
         for place, (title, ward) in enumerate((("truth", one.truth), ("estimate", estimated))):
             start = left + place * side
-            _show(_axes(figure, start, top, side, side), standing_sphere(ward, SPHERE))
-            _write(figure, start + 0.06, top + 0.22, title, fontsize=10, color="#ffffff")
+            sheet.show(start, top, side, side, standing_sphere(ward, SPHERE))
+            sheet.write(start + 0.06, top + 0.22, title, fontsize=10, color="#ffffff")
             text = _numbers(ward, one.estimate if place else None)
-            _write(figure, start, top + side + 0.24, text, fontsize=9.5, va="top")
+            sheet.write(start, top + side + 0.24, text, fontsize=9.5, va="top")
 
 
 def _numbers(ward: WardParameters, estimate: BrdfEstimate | None) -> str:
@@ -87,18 +82,3 @@ def _numbers(ward: WardParameters, estimate: BrdfEstimate | None) -> str:
         f"rho_d  {red:.2f} {green:.2f} {blue:.2f}\n"
         f"rho_s  {ward.rho_s:.3f}{gloss[0]}\nalpha  {ward.alpha:.2f}{gloss[1]}"
     )
-
-
-def _axes(figure: Figure, left: float, top: float, width: float, height: float) -> Axes:
-    bottom = HEIGHT - top - height
-    return figure.add_axes((left / WIDTH, bottom / HEIGHT, width / WIDTH, height / HEIGHT))
-
-
-def _write(figure: Figure, left: float, top: float, text: str, **style: object) -> None:
-    merged = {"fontsize": 12, "color": INK, **style}
-    figure.text(left / WIDTH, 1 - top / HEIGHT, text, **merged)  # type: ignore[arg-type]
-
-
-def _show(axes: Axes, picture: NDArray[np.uint8]) -> None:
-    axes.imshow(picture, interpolation="lanczos")
-    axes.set_axis_off()

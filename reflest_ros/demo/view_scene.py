@@ -22,17 +22,27 @@ BACKGROUND = "#303030"
 
 @dataclass(frozen=True)
 class Viewpoint:
-    """``eye``, ``target``: (3,) world frame, metres; z is up. ``width``: metres across at it."""
+    """A perspective camera; z of the world points up in the picture.
+
+    Attributes:
+        eye: (3,) its position in the world frame, metres.
+        target: (3,) the point in the middle of the picture, metres.
+        width: what the picture shows from left to right at the target, metres.
+    """
 
     eye: Points
     target: Points
     width: float
 
     def project(self, points: Points) -> tuple[Points, NDArray[np.float64]]:
-        """Place (N, 2) in metres on the plane through the target, and distance (N,) of points.
+        """Project points on the plane through the target.
 
         Args:
-            points: (N, 3) metres.
+            points: (N, 3) world frame, metres.
+
+        Returns:
+            (N, 2) places on that plane, right and up of the target, metres; (N,) depths over that
+            of the target.
         """
         ahead = self.target - self.eye
         reach = float(np.linalg.norm(ahead))
@@ -44,12 +54,12 @@ class Viewpoint:
 
 
 def prepare(axes: Axes, viewpoint: Viewpoint, aspect: float) -> None:
-    """Make an empty picture; ``aspect``: height over width.
+    """Make an empty picture.
 
     Args:
         axes: of Matplotlib.
         viewpoint: where the drawing looks from.
-        aspect: width over height.
+        aspect: height over width.
     """
     half = viewpoint.width / 2
     axes.set(xlim=(-half, half), ylim=(-half * aspect, half * aspect), aspect="equal")

@@ -35,9 +35,15 @@ TF_TOPICS = {Role.TF: "/tf", Role.TF_STATIC: "/tf_static"}
 
 @dataclass(frozen=True)
 class InputTopic:
-    """One topic to subscribe. ``is_awaited``: whether its silence is worth a warning.
+    """One topic to subscribe to.
 
-    ``qos`` is this topic's own, for overrides are written into it.
+    Attributes:
+        role: What its messages are to the scan.
+        name: Its full name.
+        message_type: The generated class.
+        convert: Makes the core's message of one of ROS.
+        qos: What is requested; this topic's own profile, for overrides are written into it.
+        is_awaited: Whether its silence is worth a warning.
     """
 
     role: Role
@@ -49,15 +55,19 @@ class InputTopic:
 
 
 def input_topics(node: Node, settings: NodeSettings, capture: CaptureSettings) -> list[InputTopic]:
-    """Every topic that the settings ask for, under its full name.
-
-    Raises :class:`ReflestError` for a name that is none, and where poses shall come from tf and
-    tf2_msgs is not installed.
+    """List every topic that the settings ask for, under its full name.
 
     Args:
         node: whose topics they are.
         settings: the parameters.
         capture: parameters of the group ``capture``.
+
+    Returns:
+        The topics.
+
+    Raises:
+        ReflestError: A name is not one of a topic, or poses shall come from tf and tf2_msgs is
+            not installed.
     """
     transports = {
         Role.RGB: settings.input.rgb_transport,

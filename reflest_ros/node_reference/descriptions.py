@@ -13,7 +13,7 @@ OUTPUTS = {
     ),
     "/reflectance/preview": (
         "A sphere of the estimated material under a fixed light, `rgb8`, sRGB; stamp and frame are "
-        "the estimate's."
+        "the estimate's. Black after a reset."
     ),
     "/reflectance/voxels": (
         "The observed surface in the world frame, metres: `x y z` (`FLOAT64` where the scan began "
@@ -59,7 +59,8 @@ OUTPUTS = {
     ),
     "/reflectance/overlay": (
         "The labels of the materials drawn over the last image, `rgb8`. Dark: without depth, or "
-        "outside of the region of interest or the work radius, and not scanned."
+        "outside of the region of interest or the work radius, and not scanned. Black after a "
+        "reset."
     ),
     "/diagnostics": "One status each `input.diagnostics_period`; its keys are below.",
 }

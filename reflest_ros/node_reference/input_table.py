@@ -42,7 +42,16 @@ TF_DESCRIPTIONS = {
 
 @dataclass(frozen=True)
 class InputRow:
-    """``name``: to remap. ``parameter``: that names the topic otherwise; ``default``: its value."""
+    """An input of the node.
+
+    Attributes:
+        name: To remap.
+        parameter: Names the topic where it is not remapped; "" where none does.
+        default: The topic's default name.
+        message_types: As ``package/msg/Name``, one for each transport.
+        qos: What the node requests.
+        description: For the page.
+    """
 
     name: str
     parameter: str

@@ -14,7 +14,14 @@ FIELD = re.compile(r"(?P<type>\S+)\s+(?P<name>[a-z][a-z0-9_]*)")
 
 @dataclass(frozen=True)
 class Field:
-    """A field or a constant, whose ``value`` is not empty. ``comment``: the lines above it."""
+    """A field or a constant.
+
+    Attributes:
+        kind: Its type.
+        name: Its name.
+        value: Of a constant; "" for a field.
+        comment: The lines above it.
+    """
 
     kind: str
     name: str
@@ -24,9 +31,11 @@ class Field:
 
 @dataclass(frozen=True)
 class Section:
-    """A message, a request or a response. ``comment``: what stands above, a blank line between.
+    """A message, a request or a response.
 
-    A copyright statement is no part of it.
+    Attributes:
+        comment: What stands above the fields, a blank line between; without the copyright.
+        fields: In their order.
     """
 
     comment: str
@@ -34,12 +43,16 @@ class Section:
 
 
 def read_interface(path: Path) -> list[Section]:
-    """One section of a ``.msg`` file, request and response of a ``.srv`` file.
-
-    ValueError for a line that is neither a comment, a constant nor a field.
+    """Read an interface file.
 
     Args:
-        path: the file.
+        path: A ``.msg`` or ``.srv`` file.
+
+    Returns:
+        One section of a ``.msg`` file, request and response of a ``.srv`` file.
+
+    Raises:
+        ValueError: A line is neither a comment, a constant nor a field.
     """
     parts = re.split(r"^---$", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
     return [_section(part) for part in parts]

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What a node that runs offers: asked of the node itself, so that the page cannot drift from it."""
+"""Asks a running node what it offers, so that the page cannot differ from it."""
 
 from __future__ import annotations
 
@@ -15,9 +15,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-from reflest_ros.demo.playback import use_private_domain
 from reflest_ros.node import EstimatorNode
-from reflest_ros.process import ros_process
+from reflest_ros.process import ros_process, use_private_domain
 
 STANDARD_PACKAGES = ("rcl_interfaces", "lifecycle_msgs", "type_description_interfaces")
 """Of the topics and services that every managed node has."""
@@ -27,7 +26,13 @@ PREFIX = "/reflest_estimator/"
 
 @dataclass(frozen=True)
 class OfferedTopic:
-    """A topic that the node publishes, by its full name."""
+    """A topic that the node publishes.
+
+    Attributes:
+        name: Its full name.
+        message_type: As ``package/msg/Name``.
+        qos: What the node offers.
+    """
 
     name: str
     message_type: str
@@ -36,7 +41,13 @@ class OfferedTopic:
 
 @dataclass(frozen=True)
 class OfferedService:
-    """``description``: the docstring of what answers it."""
+    """A service of the node.
+
+    Attributes:
+        name: Relative to the node.
+        service_type: As ``package/srv/Name``.
+        description: First line of the docstring of what answers it.
+    """
 
     name: str
     service_type: str
@@ -45,7 +56,13 @@ class OfferedService:
 
 @dataclass(frozen=True)
 class NodeFacts:
-    """``diagnostics``: the keys of a status of an active node that has received nothing."""
+    """What a node offers.
+
+    Attributes:
+        topics: Those that it publishes, by name.
+        services: Those that it answers, by name.
+        diagnostics: Keys of the status of an active node that has received nothing.
+    """
 
     topics: tuple[OfferedTopic, ...]
     services: tuple[OfferedService, ...]

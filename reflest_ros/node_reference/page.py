@@ -9,6 +9,7 @@ from pathlib import Path
 
 from rclpy.qos import QoSProfile
 
+from reflest_core.capture.refusal import RefusalCause
 from reflest_core.errors import ReflestError
 from reflest_core.parameter import ParameterInfo
 from reflest_ros.node import EstimatorNode
@@ -56,10 +57,16 @@ class UndescribedError(ReflestError):
 
 
 def page(facts: NodeFacts) -> str:
-    """The whole page; raises :class:`UndescribedError`.
+    """Write the whole page.
 
     Args:
         facts: read from a running node.
+
+    Returns:
+        Markdown.
+
+    Raises:
+        UndescribedError: A topic, diagnostic or cause of refusal is not described.
     """
     sections = (
         HEADER,
@@ -165,7 +172,7 @@ def _diagnostics(facts: NodeFacts) -> str:
     roles = [key.removeprefix("messages ") for key in facts.diagnostics if "messages " in key]
     seen = {diagnostic_pattern(key, roles) for key in facts.diagnostics}
     _same("diagnostic", seen | set(CONDITIONAL), DIAGNOSTICS)
-    _same("cause of refusal", type(next(iter(REFUSALS))), REFUSALS)
+    _same("cause of refusal", RefusalCause, REFUSALS)
     keys = _table(("key", "what"), [(f"`{key}`", what) for key, what in DIAGNOSTICS.items()])
     causes = _table(
         ("cause", "what was refused"),

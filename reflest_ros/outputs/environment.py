@@ -4,12 +4,8 @@
 
 from __future__ import annotations
 
-import array
-import sys
 from functools import cache
-from typing import Any
 
-from numpy.typing import NDArray
 from rclpy.node import Node
 from sensor_msgs.msg import Image
 
@@ -17,7 +13,7 @@ from reflest_core.environment.environment_map import EnvironmentMap, environment
 from reflest_core.environment.picture import coverage_codes, tone_mapped
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.pipeline import KeyframeSnapshot
-from reflest_ros.inputs.core_messages import ns_to_stamp
+from reflest_ros.outputs.pixels import pixels_message
 from reflest_ros.outputs.view_publisher import ViewPublisher
 from reflest_ros.outputs.view_settings import EnvironmentSettings, read_settings
 
@@ -67,7 +63,7 @@ class Environment:
         self._preview.replace(preview_message(empty, self._frame_id, 0))
 
     def destroy(self) -> None:
-        """Give the publishers back."""
+        """Destroy the publishers."""
         for publisher in (self._radiance, self._coverage, self._preview):
             publisher.destroy()
 
@@ -80,7 +76,7 @@ def radiance_message(environment: EnvironmentMap, frame_id: str, stamp_ns: int) 
         frame_id: of the header.
         stamp_ns: of the header, nanoseconds.
     """
-    return _image(environment.radiance, "32FC3", frame_id, stamp_ns)
+    return pixels_message(environment.radiance, "32FC3", frame_id, stamp_ns)
 
 
 def coverage_message(environment: EnvironmentMap, frame_id: str, stamp_ns: int) -> Image:
@@ -91,7 +87,7 @@ def coverage_message(environment: EnvironmentMap, frame_id: str, stamp_ns: int) 
         frame_id: of the header.
         stamp_ns: of the header, nanoseconds.
     """
-    return _image(coverage_codes(environment), "mono8", frame_id, stamp_ns)
+    return pixels_message(coverage_codes(environment), "mono8", frame_id, stamp_ns)
 
 
 def preview_message(environment: EnvironmentMap, frame_id: str, stamp_ns: int) -> Image:
@@ -102,18 +98,4 @@ def preview_message(environment: EnvironmentMap, frame_id: str, stamp_ns: int) -
         frame_id: of the header.
         stamp_ns: of the header, nanoseconds.
     """
-    return _image(tone_mapped(environment), "rgb8", frame_id, stamp_ns)
-
-
-def _image(pixels: NDArray[Any], encoding: str, frame_id: str, stamp_ns: int) -> Image:
-    message = Image(
-        height=pixels.shape[0],
-        width=pixels.shape[1],
-        encoding=encoding,
-        is_bigendian=int(sys.byteorder == "big"),
-        step=pixels.strides[0],
-    )
-    message.header.stamp = ns_to_stamp(stamp_ns)
-    message.header.frame_id = frame_id
-    message.data = array.array("B", pixels.tobytes())
-    return message
+    return pixels_message(tone_mapped(environment), "rgb8", frame_id, stamp_ns)

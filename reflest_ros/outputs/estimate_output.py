@@ -48,7 +48,7 @@ class EstimateView(Protocol):
         """Replace what was shown by nothing: a new scan begins."""
 
     def destroy(self) -> None:
-        """Give the publishers back."""
+        """Destroy the publishers."""
 
 
 VIEWS: tuple[Callable[[Node], EstimateView], ...] = (Preview, VoxelCloud, Environment, Markers)
@@ -157,7 +157,7 @@ class EstimateOutput:
             view.clear()
 
     def destroy(self) -> None:
-        """Give the publishers back."""
+        """Destroy the publishers."""
         self.materials.destroy()
         for view in self._views:
             view.destroy()

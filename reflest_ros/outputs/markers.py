@@ -26,7 +26,7 @@ from reflest_ros.outputs.view_settings import MOST_KEYFRAMES, MarkerSettings, re
 
 Pose = NDArray[np.float64]
 
-TRUSTED, DOUBTED = (0.75, 0.95, 0.75), (1.0, 0.75, 0.3)
+TRUSTED, UNCERTAIN = (0.75, 0.95, 0.75), (1.0, 0.75, 0.3)
 OLDEST, NEWEST = np.array([0.25, 0.3, 0.55]), np.array([1.0, 0.6, 0.1])
 
 GLASS, GLASS_ALPHA = (0.5, 0.7, 1.0), 0.12
@@ -75,7 +75,7 @@ class Markers:
         self._publisher.replace(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
 
     def destroy(self) -> None:
-        """Give the publisher back."""
+        """Destroy the publisher."""
         self._publisher.destroy()
 
     def _message(
@@ -140,7 +140,7 @@ def _values(
     marker.pose.position = _point(at)
     marker.pose.orientation.w = 1.0
     is_trusted = estimate is not None and estimate.status is EstimateStatus.OK
-    marker.color = _colour(TRUSTED if is_trusted else DOUBTED)
+    marker.color = _colour(TRUSTED if is_trusted else UNCERTAIN)
     marker.text = estimate_text(estimate)
     return marker
 

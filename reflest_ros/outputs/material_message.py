@@ -4,12 +4,11 @@
 
 from __future__ import annotations
 
-import array
 import math
 
 import numpy as np
 from geometry_msgs.msg import Point, Vector3
-from sensor_msgs.msg import Image, PointCloud2
+from sensor_msgs.msg import PointCloud2
 from visualization_msgs.msg import Marker, MarkerArray
 
 from reflest_core.estimation.estimate import SCHEMA_VERSION, EstimateStatus
@@ -184,25 +183,6 @@ def map_to_markers(materials: MaterialMap) -> MarkerArray:
         )
         markers.append(marker)
     return MarkerArray(markers=markers)
-
-
-def image_message(rgb: np.ndarray, frame_id: str, stamp_ns: int) -> Image:
-    """Make an image.
-
-    Args:
-        rgb: (H, W, 3) 8-bit sRGB.
-        frame_id: Camera frame.
-        stamp_ns: Nanoseconds.
-
-    Returns:
-        An ``rgb8`` message.
-    """
-    height, width, _ = rgb.shape
-    message = Image(height=height, width=width, encoding="rgb8", is_bigendian=0, step=3 * width)
-    message.header.stamp = ns_to_stamp(stamp_ns)
-    message.header.frame_id = frame_id
-    message.data = array.array("B", rgb.tobytes())
-    return message
 
 
 def _point(position: tuple[float, float, float]) -> Point:

@@ -24,11 +24,11 @@ from reflest_ros.msg import MaterialMap as MaterialMapMessage
 from reflest_ros.outputs.material_message import (
     POINT,
     empty_map,
-    image_message,
     map_to_cloud,
     map_to_markers,
     map_to_message,
 )
+from reflest_ros.outputs.pixels import pixels_message
 from reflest_ros.outputs.point_cloud import point_cloud
 from reflest_ros.outputs.view_publisher import ViewPublisher
 from reflest_ros.outputs.view_settings import MaterialSettings, read_settings
@@ -44,7 +44,7 @@ class MaterialRequest:
         snapshot: The scan.
         frame: The last frame that was fused; None where there is none yet.
         voxel_size: Edge of a voxel of the scan, metres.
-        asked: ``time.monotonic`` when it was asked for.
+        asked: ``time.monotonic`` of the request.
     """
 
     snapshot: KeyframeSnapshot
@@ -55,7 +55,12 @@ class MaterialRequest:
 
 @dataclass(frozen=True)
 class ShownMaterials:
-    """A material map with what it was made of."""
+    """A material map with what it was made of.
+
+    Attributes:
+        materials: The map.
+        request: What it was made of.
+    """
 
     materials: MaterialMap
     request: MaterialRequest
@@ -156,14 +161,18 @@ class MaterialOutput:
         self.failure = reason
 
     def clear(self) -> None:
-        """Replace what was published by an empty map: a new scan begins."""
-        self.latest = None
+        """Replace what was published by an empty map and a black overlay: a new scan begins."""
+        last, self.latest = self.latest, None
+        world = "" if last is None else last.materials.world_frame_id
         self._map.publish(empty_map())
-        self._cloud.replace(point_cloud(np.zeros(0, POINT), "", 0, is_dense=False))
+        self._cloud.replace(point_cloud(np.zeros(0, POINT), world, 0, is_dense=False))
+        if last is not None and (frame := last.request.frame) is not None:
+            empty = np.zeros_like(frame.rgb)
+            self._overlay.replace(pixels_message(empty, "rgb8", frame.frame_id, 0))
         self._markers.replace(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
 
     def destroy(self) -> None:
-        """Give the publishers back."""
+        """Destroy the publishers."""
         self._node.destroy_publisher(self._map)
         for view in (self._cloud, self._markers, self._overlay):
             view.destroy()
@@ -185,7 +194,7 @@ def overlay_message(shown: ShownMaterials, frame: Frame) -> Image:
     bounds = request.snapshot.bounds
     is_scanned = None if bounds is None else bounds.shows(frame)
     drawn = labels_over(frame.rgb, voxels, materials.material_ids, is_scanned)
-    return image_message(drawn, frame.frame_id, frame.stamp_ns)
+    return pixels_message(drawn, "rgb8", frame.frame_id, frame.stamp_ns)
 
 
 def _view(frame: Frame, materials: MaterialMap) -> CameraView:

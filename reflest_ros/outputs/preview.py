@@ -4,15 +4,14 @@
 
 from __future__ import annotations
 
-import array
-
+import numpy as np
 from rclpy.node import Node
 from sensor_msgs.msg import Image
 
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.pipeline import KeyframeSnapshot
 from reflest_core.rendering.sphere import render_point_light, tone_map
-from reflest_ros.inputs.core_messages import ns_to_stamp
+from reflest_ros.outputs.pixels import pixels_message
 from reflest_ros.outputs.view_publisher import ViewPublisher
 from reflest_ros.outputs.view_settings import PreviewSettings, read_settings
 
@@ -34,6 +33,7 @@ class Preview:
         """
         self._node = node
         self._publisher = ViewPublisher(node, Image, "reflectance/preview")
+        self._frame_id = ""
 
     def show(self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None) -> None:
         """Show the sphere of an estimate.
@@ -43,13 +43,17 @@ class Preview:
             estimate: the keyframe's estimate.
         """
         if estimate is not None:
+            self._frame_id = estimate.frame_id
             self._publisher.show(lambda: preview_message(estimate, self._settings.size))
 
     def clear(self) -> None:
-        """Leave the sphere: like the estimate on its topic, it holds until the next one."""
+        """Replace the last sphere, which stays readable, by a black picture."""
+        size = self._settings.size
+        empty = np.zeros((size, size, 3), np.uint8)
+        self._publisher.replace(pixels_message(empty, "rgb8", self._frame_id, 0))
 
     def destroy(self) -> None:
-        """Give the publisher back."""
+        """Destroy the publisher."""
         self._publisher.destroy()
 
     @property
@@ -65,8 +69,4 @@ def preview_message(estimate: BrdfEstimate, size: int) -> Image:
         size: pixels along an edge.
     """
     picture = tone_map(render_point_light(estimate.ward, LIGHT, size), EXPOSURE)
-    message = Image(height=size, width=size, encoding="rgb8", is_bigendian=0, step=3 * size)
-    message.header.stamp = ns_to_stamp(estimate.stamp_ns)
-    message.header.frame_id = estimate.frame_id
-    message.data = array.array("B", picture.tobytes())
-    return message
+    return pixels_message(picture, "rgb8", estimate.frame_id, estimate.stamp_ns)

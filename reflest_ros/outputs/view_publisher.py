@@ -69,7 +69,7 @@ class ViewPublisher:
             self._publisher.publish(message)
 
     def destroy(self) -> None:
-        """Give the publisher back."""
+        """Destroy the publisher."""
         self._node.destroy_publisher(self._publisher)
 
     def _on_matched(self, info: QoSPublisherMatchedInfo) -> None:

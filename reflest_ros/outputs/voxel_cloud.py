@@ -71,7 +71,7 @@ class VoxelCloud:
         self._publisher.replace(point_cloud(np.zeros(0, POINT), self._frame_id, 0))
 
     def destroy(self) -> None:
-        """Give the publisher back."""
+        """Destroy the publisher."""
         self._publisher.destroy()
 
     def _message(self, keyframe: KeyframeSnapshot, estimate: BrdfEstimate | None) -> PointCloud2:

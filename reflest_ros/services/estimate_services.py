@@ -133,9 +133,9 @@ class EstimateServices:
         for name, content in (*others, main):
             write_whole(self._files.to_write(str(path.with_name(name))), content)
         beside = f" and {len(others)} beside it" if others else ""
-        doubt = f"; {asset.warning}" if asset.warning else ""
+        warning = f"; {asset.warning}" if asset.warning else ""
         counts = f"{len(asset.materials)} materials, {len(mesh.faces)} faces"
-        return f"wrote {path}{beside}: {counts}{doubt}"
+        return f"wrote {path}{beside}: {counts}{warning}"
 
     def _export_light(self, format_name: str, path: Path) -> str:
         surface = self._fusion.call(self._fusion.snapshot).result().surface

@@ -182,7 +182,7 @@ def _check(path: Path) -> None:
 
 
 def _lock(path: Path) -> int:
-    """Open and lock a file beside the autosave's; it stays, empty, and its lock ends with us."""
+    """Lock an empty file beside the autosave's, which stays; the lock ends with the process."""
     target = path.resolve()
     lock = target.with_name(f".{target.name}.lock")
     try:

@@ -11,17 +11,16 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any, Protocol, TypeVar
 
-from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.pipeline import KeyframeSnapshot
-from reflest_ros.threads import resolve, worker_thread
+from reflest_ros.threads import resolve, shutting_down, worker_thread
 from reflest_ros.workers.fusion_worker import Keyframe
 
 T = TypeVar("T")
 Estimate = Callable[[KeyframeSnapshot], BrdfEstimate]
 LONGEST_STOP = 0.5
 """Seconds that a transition waits for the estimate that is being made."""
-Further = Callable[[], Callable[[], None] | None]
+MakeMaterials = Callable[[], Callable[[], None] | None]
 
 
 class Output(Protocol):
@@ -64,7 +63,7 @@ class EstimationWorker:
         estimate: Estimate,
         output: Output,
         on_crash: Callable[[BaseException], None],
-        further: Further = lambda: None,
+        materials: MakeMaterials = lambda: None,
     ) -> None:
         """Prepare the thread.
 
@@ -72,13 +71,13 @@ class EstimationWorker:
             estimate: Makes an estimate of a snapshot.
             output: Publishes it.
             on_crash: Called with what ended the thread.
-            further: Makes something else after an estimate, while nothing waits; it returns what
-                publishes it, or None.
+            materials: Makes a material map after an estimate, while nothing waits; it returns
+                what publishes the map, or None.
         """
         self.skipped = 0
         self.discarded = 0
         self._estimate = estimate
-        self._further = further
+        self._materials = materials
         self._output = output
         self._output_lock = threading.Lock()
         self._changed = threading.Condition()
@@ -109,7 +108,7 @@ class EstimationWorker:
                 self._generation += 1
         for waiting in (self._requests, self._jobs):
             while waiting:
-                waiting.popleft()[1].set_exception(_shutting_down())
+                waiting.popleft()[1].set_exception(shutting_down())
 
     def offer(self, keyframe: Keyframe) -> None:
         """Estimate this keyframe next.
@@ -134,7 +133,7 @@ class EstimationWorker:
         future: Future[BrdfEstimate] = Future()
         with self._changed:
             if self._is_stopped:
-                future.set_exception(_shutting_down())
+                future.set_exception(shutting_down())
                 return future
             self._requests.append((keyframe, future))
             self._changed.notify()
@@ -152,7 +151,7 @@ class EstimationWorker:
         future: Future[T] = Future()
         with self._changed:
             if self._is_stopped:
-                future.set_exception(_shutting_down())
+                future.set_exception(shutting_down())
                 return future
             self._jobs.append((work, future))
             self._changed.notify()
@@ -188,7 +187,7 @@ class EstimationWorker:
                 resolve([job[1]], job[0])
                 continue
             if keyframe is None:
-                self._publish_further(generation)
+                self._publish_materials(generation)
                 continue
             if waiting:
                 futures = [future for _, future in waiting]
@@ -196,9 +195,9 @@ class EstimationWorker:
             else:
                 self._work(keyframe, generation)
 
-    def _publish_further(self, generation: int) -> None:
-        """Make what has no hurry, and publish it unless its scan was left meanwhile."""
-        publish = self._further()
+    def _publish_materials(self, generation: int) -> None:
+        """Make a material map, and publish it unless its scan was left meanwhile."""
+        publish = self._materials()
         if publish is not None:
             with self._output_lock:
                 if generation == self._generation:
@@ -216,9 +215,7 @@ class EstimationWorker:
     def _work(self, keyframe: Keyframe, generation: int) -> None:
         try:
             self._published(keyframe, generation)
-        except (
-            Exception
-        ) as error:  # of a user or of the code: the node goes on with the next keyframe
+        except Exception as error:  # the node goes on with the next keyframe
             with self._output_lock:
                 if generation == self._generation:
                     self._output.fail(keyframe, error)
@@ -231,7 +228,3 @@ class EstimationWorker:
                 return self._output.publish(keyframe, estimate)
             self.discarded += 1
         return estimate
-
-
-def _shutting_down() -> ReflestError:
-    return ReflestError("the estimator is shutting down")

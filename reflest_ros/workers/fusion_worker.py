@@ -18,9 +18,8 @@ from reflest_core.capture.assembler import FrameAssembler
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.messages import Role, SensorMessage
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
-from reflest_core.errors import ReflestError
 from reflest_core.estimation.pipeline import KeyframeSnapshot, Pipeline
-from reflest_ros.threads import resolve, worker_thread
+from reflest_ros.threads import resolve, shutting_down, worker_thread
 from reflest_ros.workers.fusion_counts import FusionCounts
 
 MOST_ARRIVALS = 1000
@@ -141,7 +140,7 @@ class FusionWorker:
             self._thread.join()
         self._messages.clear()
         while self._jobs:
-            self._jobs.popleft().future.set_exception(_shutting_down())
+            self._jobs.popleft().future.set_exception(shutting_down())
 
     def offer(self, role: Role, message: SensorMessage) -> None:
         """Queue a message, or count it as dropped where the queue is full.
@@ -233,7 +232,7 @@ class FusionWorker:
         future: Future[T] = Future()
         with self._changed:
             if self._is_stopping:
-                future.set_exception(_shutting_down())
+                future.set_exception(shutting_down())
             else:
                 self._jobs.append(_Job(work, future, after, time.monotonic()))
                 self._changed.notify()
@@ -312,7 +311,7 @@ class FusionWorker:
             self.count_store()
 
     def _refuse_after(self, error: Exception, what: str) -> None:
-        """Count an error in our own code: the node goes on with what comes next."""
+        """Count an internal error: the node goes on with what comes next."""
         trace = "".join(traceback.format_exception(error)).rstrip()
         self._assembler.refuse(
             FrameRefused(
@@ -334,7 +333,3 @@ class FusionWorker:
                     count,
                 )
             )
-
-
-def _shutting_down() -> ReflestError:
-    return ReflestError("the estimator is shutting down")

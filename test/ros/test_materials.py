@@ -128,9 +128,13 @@ def test_materials_are_not_estimated_where_that_is_turned_off(shown, peer):
     assert peer.count("material maps") == maps
 
 
-def test_a_reset_empties_the_map(shown, peer):
+def test_a_reset_empties_map_cloud_and_overlay(shown, peer):
     assert peer.call(Trigger, "reset").success
     peer.wait_until(lambda: not shown["materials"][-1].materials, "the old map is left")
+    peer.wait_until(lambda: shown["material_cloud"][-1].width == 0, "the old cloud is left")
+    assert shown["material_cloud"][-1].header.frame_id == "world"
+    peer.wait_until(lambda: not any(shown["overlay"][-1].data), "the old overlay is left")
+    assert (shown["overlay"][-1].width, shown["overlay"][-1].height) == (WIDTH, HEIGHT)
     answer = peer.call(MaterialAt, "material_at", kind=0)
     assert not answer.success
     assert "no material map yet" in answer.message

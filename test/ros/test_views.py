@@ -136,7 +136,7 @@ def test_the_colouring_can_be_changed_while_it_runs(shown, peer):
     assert "observed, views, estimate" in refused.reason
 
 
-def test_a_reset_empties_cloud_and_markers(shown, peer):
+def test_a_reset_empties_every_view(shown, peer):
     assert peer.call(Trigger, "reset").success
     clouds, markers = shown["/reflectance/voxels"], shown["/reflectance/markers"]
     peer.wait_until(lambda: clouds[-1].width == 0, "the cloud was not emptied")
@@ -146,3 +146,6 @@ def test_a_reset_empties_cloud_and_markers(shown, peer):
         lambda: markers[-1].markers[0].action == Marker.DELETEALL, "markers were not deleted"
     )
     assert clouds[-1].header.frame_id == "world"
+    spheres = shown["/reflectance/preview"]
+    peer.wait_until(lambda: not any(spheres[-1].data), "the old sphere is left")
+    assert (spheres[-1].width, spheres[-1].height) == (256, 256)
