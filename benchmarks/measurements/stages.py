@@ -95,4 +95,4 @@ ESTIMATION_STAGES = (
 STAGES = CAPTURE_STAGES + FUSION_STAGES + ESTIMATION_STAGES
 
 FEATURES = {"hemicnn": "hemisphere images", "grouplet": "grouplets", "lightnet": "shading"}
-"""The stage that builds what each network eats."""
+"""The stage that builds what each network takes."""

@@ -30,12 +30,7 @@ def begin_manifest(folder: Path, manifest: dict[str, Any]) -> None:
     if not path.exists():
         write_json(path, manifest)
         return
-    try:
-        found = json.loads(path.read_text())
-    except ValueError as error:
-        raise SceneFileError(
-            f"{path} is damaged ({error}); delete it and generate again"
-        ) from error
+    found = _content(path)
     differing = sorted(key for key in manifest if found.get(key) != manifest[key])
     if differing:
         raise SceneFileError(
@@ -50,13 +45,12 @@ def read_manifest(folder: Path) -> dict[str, Any]:
         folder: of the data set.
 
     Raises:
-        SceneFileError: There is no manifest.
+        SceneFileError: There is no manifest, or it is damaged.
     """
     path = folder / MANIFEST
     if not path.is_file():
         raise SceneFileError(f"{folder} has no {MANIFEST}; make it with 'reflest synbrdf generate'")
-    manifest: dict[str, Any] = json.loads(path.read_text())
-    return manifest
+    return _content(path)
 
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
@@ -67,3 +61,15 @@ def write_json(path: Path, content: dict[str, Any]) -> None:
         content: values that JSON has.
     """
     write_whole(path, (json.dumps(content, indent=1, sort_keys=True) + "\n").encode())
+
+
+def _content(path: Path) -> dict[str, Any]:
+    try:
+        manifest = json.loads(path.read_text())
+    except ValueError as error:
+        raise SceneFileError(
+            f"{path} is damaged ({error}); delete it and generate again"
+        ) from error
+    if not isinstance(manifest, dict):
+        raise SceneFileError(f"{path} is damaged (no object of JSON); delete it and generate again")
+    return manifest

@@ -29,7 +29,14 @@ def parse_indices(text: str, count: int, what: str) -> list[int]:
                 f"--{what} does not understand {part!r}: give numbers, FIRST:END or "
                 "FIRST:END:STEP, with commas between them"
             ) from error
+        # Before it is listed: a range may name more than memory holds.
+        if indices and not all(0 <= end < count for end in (indices[0], indices[-1])):
+            raise _outside(text, count, what)
         chosen.update(indices)
-    if not chosen or min(chosen) < 0 or max(chosen) >= count:
-        raise IndexRangeError(f"--{what} {text} must name some of 0 to {count - 1}")
+    if not chosen:
+        raise _outside(text, count, what)
     return sorted(chosen)
+
+
+def _outside(text: str, count: int, what: str) -> IndexRangeError:
+    return IndexRangeError(f"--{what} {text} must name some of 0 to {count - 1}")

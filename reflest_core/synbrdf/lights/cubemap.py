@@ -63,7 +63,7 @@ def look_up(faces: NDArray[np.float32], directions: NDArray[np.float64]) -> NDAr
     Returns:
         (..., 3) radiance.
     """
-    # The cube's y is up, and its z points against ours.
+    # The cube's y is up, and its z is the world's -y.
     cube = np.stack([directions[..., 0], directions[..., 2], -directions[..., 1]])
     axis = np.abs(cube).argmax(axis=0)
     size = faces.shape[1]

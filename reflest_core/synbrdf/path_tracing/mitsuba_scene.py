@@ -25,7 +25,7 @@ OBJECT = "object"
 """The object's name among a scene's shapes."""
 ENVIRONMENT_TURNS = (("z", 90.0), ("x", 90.0))
 """Axes and degrees, multiplied in this order: Mitsuba's maps have y up and azimuth measured from
--z; ours have z up and u = 1/2 at +x."""
+-z; those of :mod:`.environments` have z up and u = 1/2 at +x."""
 
 
 def mitsuba_scene(mesh: TriangleMesh, bsdf: WardBSDF, radiance: NDArray[np.float32]) -> Any:

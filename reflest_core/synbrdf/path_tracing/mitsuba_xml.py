@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A scene of the data set as a Mitsuba 3 file, with its mesh and light beside it.
 
-``scene.xml`` needs our plugin ``reflest_ward``: ``reflest synbrdf render`` registers it, and so
+``scene.xml`` needs the plugin ``reflest_ward``: ``reflest synbrdf render`` registers it, and so
 does ``import reflest_core.synbrdf.path_tracing.ward_bsdf`` before ``mitsuba.load_file``. Importing
 this module loads Mitsuba.
 """

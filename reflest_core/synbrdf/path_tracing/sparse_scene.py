@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Sparse rendering: only what the networks eat, each surface point's colour from each view.
+"""Sparse rendering: only what the networks take, each surface point's colour from each view.
 
 Importing this module loads Mitsuba.
 """

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Rendering a Mitsuba file that may hold our plugin ``reflest_ward``.
+"""Rendering a Mitsuba file that may use the plugin ``reflest_ward``.
 
 Importing this module loads Mitsuba.
 """

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Normals and positions of a surface that was fused from real depth, not modelled.
 
-The figures are what ``reflest synbrdf measure fusion`` finds with our own ``Scan`` at 5 mm, a
-Kinect's depth and a tracker's poses (docs/synbrdf.md).
+The figures are what ``reflest synbrdf measure fusion`` finds with the estimator's ``Scan`` at 5 mm,
+a Kinect's depth and a tracker's poses (docs/synbrdf.md).
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ def fused(
     """Positions and unit normals (V, 3) with the errors that fusion was measured to leave.
 
     Args:
-        positions: (N, 3) metres.
-        normals: (N, 3) unit.
+        positions: (V, 3) metres.
+        normals: (V, 3) unit.
         realism: which faults, and how strong.
         rng: random numbers; the same state draws the same.
     """

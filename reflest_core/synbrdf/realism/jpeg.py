@@ -33,7 +33,7 @@ def compressed(image: NDArray[np.uint8], quality: int) -> NDArray[np.uint8]:
 
     Args:
         image: (H, W, 3) pixels.
-        quality: of JPEG, 1 to 100; None for PNG.
+        quality: of JPEG, 1 to 100; 100 leaves the image as it is.
     """
     if quality == LOSSLESS:
         return image
@@ -49,7 +49,7 @@ def compression_error(count: int, quality: int, rng: np.random.Generator) -> NDA
 
     Args:
         count: pixels to draw.
-        quality: of JPEG, 1 to 100; None for PNG.
+        quality: of JPEG, 1 to 95.
         rng: random numbers; the same state draws the same.
     """
     luma, chroma = (

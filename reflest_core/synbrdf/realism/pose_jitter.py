@@ -22,7 +22,7 @@ def jittered(
     """``T_world_camera`` (W, 4, 4) with errors of position and, about the camera, of direction.
 
     Args:
-        poses: (V, 4, 4) ``T_world_camera``.
+        poses: (W, 4, 4) true ``T_world_camera``.
         realism: which faults, and how strong.
         rng: random numbers; the same state draws the same.
     """

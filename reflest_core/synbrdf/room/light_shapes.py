@@ -43,7 +43,7 @@ def light_shapes(room: Room) -> dict[str, Any]:
     not have are dark, and outside.
 
     Args:
-        room: the room that the object stands in; None for distant light.
+        room: the room that the object stands in.
     """
     panels = _named(LAMP, _filled(room.lamps, MOST_LAMPS))
     panels |= _named(WINDOW, _filled(room.windows, MOST_WINDOWS))

@@ -52,7 +52,7 @@ class RoomBuilder:
         Args:
             mesh: the shape.
             bsdf: the material.
-            room: the room that the object stands in; None for distant light.
+            room: the room that the object stands in.
             seed: of the random numbers.
         """
         lights = light_shapes(room)

@@ -16,7 +16,7 @@ import numpy as np
 from reflest_core.brdf.parameters import WardParameters
 from reflest_core.errors import ReflestError
 from reflest_core.synbrdf.scenes.materials import draw_material
-from reflest_core.synbrdf.scenes.measured_materials import draw_measured, read_fits
+from reflest_core.synbrdf.scenes.measured_materials import draw_measured, fits_bytes, read_fits
 
 
 class MaterialSource(enum.Enum):
@@ -81,10 +81,14 @@ class Materials:
             raise MaterialsRefused(f"--measured-share is {self.measured_share}, but must be 0 to 1")
 
     def card(self) -> dict[str, Any]:
-        """For a manifest; the table of fits by its hash."""
+        """Describe the materials for a manifest; the table of fits by its hash.
+
+        Raises:
+            MaterialFitsUnreadable: If ``fits`` cannot be read.
+        """
         fits = None
         if self.fits is not None:
-            fits = hashlib.sha256(self.fits.read_bytes()).hexdigest()
+            fits = hashlib.sha256(fits_bytes(self.fits)).hexdigest()
         return {"source": self.source.value, "measured_share": self.measured_share, "fits": fits}
 
     def draw(self, rng: np.random.Generator) -> NamedMaterial:

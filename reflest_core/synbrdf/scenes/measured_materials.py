@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import colorsys
 import csv
+import io
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -78,6 +79,21 @@ def draw_measured(rng: np.random.Generator) -> tuple[WardParameters, str]:
     return _within_energy(albedo * np.array(colour), rho_s, alpha), name
 
 
+def fits_bytes(path: Path) -> bytes:
+    """Read the file of a table of fits as it is.
+
+    Args:
+        path: A .csv file.
+
+    Raises:
+        MaterialFitsUnreadable: If it cannot be read.
+    """
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise MaterialFitsUnreadable(f"{path} cannot be read as a .csv table: {error}") from error
+
+
 def read_fits(path: Path) -> dict[str, WardParameters]:
     """Read Ward fits from a table, in its order.
 
@@ -93,9 +109,9 @@ def read_fits(path: Path) -> dict[str, WardParameters]:
         MaterialFitsUnreadable: If the file is missing, lacks a column, or holds no usable fit.
     """
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        text = fits_bytes(path).decode("utf-8")
+        rows = list(csv.DictReader(io.StringIO(text, newline="")))
+    except (UnicodeDecodeError, csv.Error) as error:
         raise MaterialFitsUnreadable(f"{path} cannot be read as a .csv table: {error}") from error
     fits: dict[str, WardParameters] = {}
     for number, row in enumerate(rows, start=2):

@@ -61,8 +61,8 @@ def mean_colours(
     """F and B (W, 3), mean 8-bit colour of (W, P, 3) images; NaN where there is no such pixel.
 
     Args:
-        images: (V, h, w, 3) 8-bit.
-        is_foreground: (V, h, w) bool.
+        images: (W, P, 3) 8-bit.
+        is_foreground: (W, P) bool.
     """
     with np.errstate(invalid="ignore"):
         means = [

@@ -12,7 +12,7 @@ from typing import Any
 
 from reflest_core.synbrdf.generation.data_folder import read_manifest
 from reflest_core.synbrdf.realism.settings import Effect
-from reflest_core.training.data.sample import Degradation, Sample, load_samples
+from reflest_core.training.data.sample import Degradation, Sample, TrainingError, load_samples
 from reflest_core.training.data.sample_file import read_samples, save_samples
 
 PACKED = "packed.json"
@@ -58,7 +58,7 @@ def load_training_data(
 
 def _load(folder: Path, degradation: Degradation | None, is_first: bool = True) -> TrainingData:
     if (folder / PACKED).is_file():
-        described = json.loads((folder / PACKED).read_text())
+        described = _description(folder / PACKED)
         return TrainingData(_unpack(folder, "train"), _unpack(folder, "validation"), described)
     training = load_samples(folder, "train")
     validation = load_samples(folder, "validation") if is_first else []
@@ -92,3 +92,11 @@ def pack(data: TrainingData, folder: Path) -> None:
 def _unpack(folder: Path, split: str) -> list[Sample]:
     paths = sorted(folder.glob(f"{split}-*.safetensors"))
     return [sample for path in paths for sample in read_samples(path)]
+
+
+def _description(path: Path) -> dict[str, Any]:
+    try:
+        described: dict[str, Any] = json.loads(path.read_text())
+    except ValueError as error:
+        raise TrainingError(f"{path} is damaged ({error}); pack the scenes again") from error
+    return described

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""What ``lightnet`` can be trained and measured without, to see what each part buys."""
+"""What ``lightnet`` can be trained and measured without, to see what each part contributes."""
 
 from __future__ import annotations
 

@@ -85,8 +85,13 @@ class LightTraining(TrainingMethod):
             arguments: All options.
 
         Raises:
-            ParameterError: ``--hold-out`` and ``--calibration`` are both given.
+            ParameterError: ``--hold-out`` and ``--calibration`` are both given, or a number is
+                below 1.
         """
+        for name in ("jobs", "scans", "observations"):
+            number = getattr(arguments, name)
+            if number is not None and number < 1:
+                raise ParameterError(f"--{name} is {number}, but must be 1 or more")
         if arguments.hold_out and arguments.calibration:
             raise ParameterError(
                 "--calibration goes without --hold-out: what is held out gives a calibration itself"

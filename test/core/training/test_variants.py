@@ -98,6 +98,12 @@ def test_realism_shows_every_scene_a_second_time(tmp_path, data):
         np.testing.assert_array_equal(one.ward, without.ward)
 
 
+def test_a_damaged_description_of_packed_scenes_is_one_sentence(tmp_path, capsys):
+    (tmp_path / "packed.json").write_text("{")
+    assert main(["train", str(tmp_path), "--model", "hemicnn", "--out", str(tmp_path / "run")]) == 2
+    assert "packed.json is damaged" in capsys.readouterr().err
+
+
 def test_packed_scenes_train_to_the_same_weights(tmp_path, data):
     packed = ["--out", str(tmp_path / "packed")]
     assert main(["train", str(data), "--pack", *packed]) == 0

@@ -230,6 +230,23 @@ def test_an_impossible_set_is_refused(option, value, tmp_path, capsys):
     assert not (tmp_path / "set").exists()
 
 
+def test_fits_that_are_not_there_are_one_sentence(tmp_path, capsys):
+    materials = ["--materials", "measured", "--material-fits", str(tmp_path / "nowhere.csv")]
+    assert main(["synbrdf", "generate", "--out", str(tmp_path / "set"), *materials]) == 2
+    assert "nowhere.csv cannot be read" in capsys.readouterr().err
+    assert not (tmp_path / "set").exists()
+
+
+@pytest.mark.parametrize("content", ['{"seed":', "[]"])
+def test_a_damaged_manifest_is_one_sentence(content, tmp_path, capsys):
+    (tmp_path / "manifest.json").write_text(content)
+    (tmp_path / "train-00000.safetensors").touch()
+    assert main(["synbrdf", "relight", str(tmp_path), "--out", str(tmp_path / "relit")]) == 2
+    assert "manifest.json is damaged" in capsys.readouterr().err
+    assert main(["synbrdf", "generate", "--out", str(tmp_path), "--train", "1"]) == 2
+    assert "manifest.json is damaged" in capsys.readouterr().err
+
+
 def test_a_missing_library_is_named(monkeypatch, tmp_path):
     monkeypatch.setattr(generation, "PACKAGES", ("numpy", "no-such-renderer"))
     with pytest.raises(RendererMissing, match=r"no-such-renderer.*reflest-ros\[synbrdf\]"):

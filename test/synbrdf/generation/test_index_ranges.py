@@ -13,7 +13,10 @@ def test_selections(text, expected):
     assert parse_indices(text, 10, "scenes") == expected
 
 
-@pytest.mark.parametrize("text", ["", "x", "1:2:3:4", "0:5:0", "10", "-1", "3:3", "0:11", "1.5"])
+@pytest.mark.parametrize(
+    "text",
+    ["", "x", "1:2:3:4", "0:5:0", "10", "-1", "3:3", "0:11", "1.5", "2,0:1000000000000000"],
+)
 def test_selections_that_name_nothing_are_refused(text):
     with pytest.raises(IndexRangeError, match="--scenes"):
         parse_indices(text, 10, "scenes")

@@ -147,6 +147,8 @@ def test_what_it_does_without_is_in_the_card_and_in_the_measure(run):
         (["--without", "sense"], "has no part 'sense' to do without; choose of light, fit"),
         (["--hold-out", "dim", "--calibration", "x"], "--calibration goes without --hold-out"),
         (["--loss", "rmse1"], "--loss goes with --model hemicnn or grouplet"),
+        (["--jobs", "-1"], "--jobs is -1, but must be 1 or more"),
+        (["--scans", "0"], "--scans is 0, but must be 1 or more"),
         (["--views", "5", "10"], "--views goes with --model hemicnn or grouplet"),
     ],
 )
