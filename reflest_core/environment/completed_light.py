@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The light where nobody saw it: as bright as the object's colours ask for, smooth elsewise."""
+"""The light where it was not observed: as bright as the object's colours imply, and smooth."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from reflest_core.light.octahedral import octahedral_directions, octahedral_soli
 from reflest_core.surface.observed_surface import ObservedSurface
 
 LEAST_VOXELS = 50
-"""The colours of fewer tell nothing of the light."""
+"""The colours of fewer voxels say nothing about the light."""
 COARSE, FINE = 24, 48
 """Edges of the maps that brightness is averaged from, and given at."""
 SHARPNESS = 8

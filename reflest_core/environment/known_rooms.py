@@ -51,10 +51,11 @@ Grid = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class _Likeness:
-    """Of R rooms at T turns, by so many columns clockwise.
+    """How well R rooms match the observed light at T turns, by so many columns clockwise.
 
-    ``error``: (R, T), mean square of the log ratios that no exposure explains. ``correlation``:
-    (R, T), of the same logarithms.
+    Attributes:
+        error: (R, T) mean square of the log ratios that no exposure explains.
+        correlation: (R, T) of the same logarithms.
     """
 
     error: Grid

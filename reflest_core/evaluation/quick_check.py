@@ -14,9 +14,6 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from reflest_core.evaluation.estimates import estimate_all
 from reflest_core.evaluation.networks import (
     EvaluatedNetwork,
@@ -26,12 +23,10 @@ from reflest_core.evaluation.networks import (
 )
 from reflest_core.evaluation.statistics.accuracy import Accuracy, accuracy
 from reflest_core.models.registry import models
-from reflest_core.surface.observed_surface import ObservedSurface
+from reflest_core.surface.selection import keep_voxels
 from reflest_core.surface.voxel_choice import choose_voxels
 from reflest_core.training.data.sample import Sample
 from reflest_core.training.data.sample_file import (
-    PER_OBSERVATION,
-    PER_VOXEL,
     read_samples,
     save_samples,
 )
@@ -57,25 +52,6 @@ def save_quick_set(path: Path, samples: list[Sample]) -> None:
             )
             for sample in samples
         ],
-    )
-
-
-def keep_voxels(surface: ObservedSurface, voxels: NDArray[np.int64]) -> ObservedSurface:
-    """The surface with some of its voxels.
-
-    Args:
-        surface: The whole surface.
-        voxels: (N,) int64, indices of the voxels to keep.
-    """
-    counts = surface.observation_counts[voxels]
-    offsets = np.concatenate([[0], np.cumsum(counts)])
-    rows = np.repeat(surface.offsets[voxels] - offsets[:-1], counts) + np.arange(offsets[-1])
-    return dataclasses.replace(
-        surface,
-        offsets=offsets,
-        keys=None if surface.keys is None else surface.keys[voxels],
-        **{name: getattr(surface, name)[voxels] for name in PER_VOXEL},
-        **{name: getattr(surface, name)[rows] for name in PER_OBSERVATION},
     )
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class FusedFrame:
-    """What became of a frame, and what it cost.
+    """What was done with a frame, and what it cost.
 
     Attributes:
         stamp_ns: The image's stamp, nanoseconds.

@@ -52,7 +52,7 @@ class Scan(ScanState):
             frame: A frame whose stamp is after that of the last one.
 
         Returns:
-            What became of the frame.
+            What was done with the frame.
 
         Raises:
             FrameRefused: ``TIME_BACKWARDS``, ``POSE_INVALID``, ``DEPTH_EMPTY`` or ``NO_OVERLAP``;

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Which material is where: in a camera's image, at a point, and in colours that tell ids apart."""
+"""Which material is where: in a camera's image, at a point, and in colours that distinguish ids."""
 
 from __future__ import annotations
 

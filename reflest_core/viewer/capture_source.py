@@ -150,7 +150,7 @@ class CaptureSource:
             self._begin(settings)
 
     def _begin(self, settings: ReflestSettings) -> None:
-        """Open everything now, so that mistakes are told at once; then scan in a thread."""
+        """Open everything now, so that mistakes are reported at once; then scan in a thread."""
         scanner = Pipeline(settings)
         self._done, self._stopping = None, threading.Event()
         if self._open is None:

@@ -38,7 +38,7 @@ WORDS = {
 }
 """Each status in a few words; a coloured mark beside it says whether it is a warning."""
 OBSERVED, MODEL = "#56b4e9", "#e69f00"
-"""Colours of the plot that colour-blind eyes tell apart (Okabe and Ito 2008)."""
+"""Colours of the plot that colour-blind eyes distinguish (Okabe and Ito 2008)."""
 WIDTH, HEIGHT, LEFT, BOTTOM = 300, 150, 34, 28
 """Of the plot, in pixels; the margins of its axes."""
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""One visitor's page: what he chose, and a thread that draws it."""
+"""One visitor's page: what was chosen on it, and a thread that draws it."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ class Page:
         self._want("arrows", "cameras")
 
     def _ask(self, wish: Any) -> None:
-        """Do what was asked for and say what became of it."""
+        """Do what was asked for and say what was done."""
         try:
             outcome: Outcome = wish()
         except ReflestError as error:
@@ -266,7 +266,7 @@ class Page:
             colouring = coloured(scan, mode)
             colours, legend = colouring.colours, colouring.legend
         is_shown, chosen = None, panel.chosen_keyframe
-        if chosen is not None:
+        if chosen is not None and chosen < len(self._state.keyframes):
             is_shown = scan.first_seen <= self._state.keyframes[chosen].stamp_ns
         self._drawing.show_surface(scan, colours, is_shown)
         panel.legend.content = text(legend)

@@ -105,7 +105,7 @@ class SourceState:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a wish.
+    """What was done on a request.
 
     Attributes:
         message: a sentence for the person who asked.
@@ -119,8 +119,8 @@ class Outcome:
 class ScanSource(Protocol):
     """A scan that may change. Every method may be called from any thread.
 
-    All but :meth:`state` and :meth:`close` raise :class:`.ReflestError` where the wish cannot be
-    met; the sentence says why.
+    All but :meth:`state` and :meth:`close` raise :class:`.ReflestError` where the request cannot
+    be met; the sentence says why.
     """
 
     @property

@@ -71,7 +71,7 @@ def image_distance(reference: NDArray[np.float64], other: NDArray[np.float64]) -
             *pair, "LDR", applyMagma=False, parameters={"ppd": PIXELS_PER_DEGREE}
         )
     squared = float(np.mean((reference - other) ** 2))
-    # Equal pictures have no finite PSNR; 8 bits could not tell more than this.
+    # Equal pictures have no finite PSNR; 8 bits resolve no more than this.
     psnr = -10 * np.log10(max(squared, (0.5 / 255) ** 2))
     ssim = metrics.structural_similarity(
         *pair, channel_axis=2, data_range=1.0, gaussian_weights=True, use_sample_covariance=False

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from reflest_core.evaluation.sections.markdown import Lines, Record, percent, table
+from reflest_core.evaluation.sections.markdown import Lines, Record, interval, percent, table
 from reflest_core.models.card import WARD_NAMES
 
 
@@ -42,9 +42,9 @@ def held_out_lights(record: Record) -> Lines:
                     int(count),
                     of["variants"],
                     of["rmse"],
-                    _range(of["over_environments"]),
+                    interval(of["over_environments"]),
                     of["mean_of_parameters"],
-                    _range(of["mean_over_environments"]),
+                    interval(of["mean_over_environments"]),
                     of["scene_mean"],
                     *of["per_parameter"],
                 ]
@@ -71,7 +71,3 @@ def held_out_lights(record: Record) -> Lines:
         + ".",
         "",
     ]
-
-
-def _range(interval: Record) -> str:
-    return f"{interval['low']:.3f} to {interval['high']:.3f}"

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf.parameters import ALPHA, RHO_S
 from reflest_core.evaluation.statistics.accuracy import Statistics
 from reflest_core.training.data.sample import Sample
 
-RHO_S, ALPHA = 3, 4
 GROUPS = 5
 """Fifths of the scenes, by true specular strength."""
 

@@ -79,8 +79,8 @@ MEASURES = (
     Measure(
         "rho_s",
         False,
-        "rho_s is {value:.3f}, so that there is hardly a highlight to tell alpha from (larger in "
-        "{rank:.0%} of the scenes)",
+        "rho_s is {value:.3f}, so that there is hardly a highlight to estimate alpha from (larger "
+        "in {rank:.0%} of the scenes)",
     ),
     Measure(
         "rho_d",

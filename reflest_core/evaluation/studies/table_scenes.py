@@ -46,7 +46,8 @@ TRUTH = "truth.ply"
 NORMALS = 200
 """Directions that the irradiance is compared on."""
 VARIANTS = ("materials", "true_segments", "alone", "whole")
-"""Ours; with the true segments; each material in light inferred from it alone; all as one."""
+"""As the node estimates; with the true segments; each material in light inferred from it alone; all
+as one."""
 MEANS = ("z", "rmse", "log_rho_d", "ari", "balanced_ari", "purity", "completeness", "matched")
 
 
