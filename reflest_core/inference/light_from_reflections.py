@@ -131,15 +131,16 @@ class _System:
     ) -> _System:
         colours = sample.colours[:, channel]
         diffuse = kernel_array(response.answers[channel], np.float32)
+        voxel_of = kernel_array(sample.voxel_of, np.int64)
         reflects_seen = reflection.known[channel]  # is known, and taken from the target
         starts, columns = reflection.starts, reflection.columns
         values = kernel_array(reflection.values[channel], np.float32)
-        matters = which_matter(_strongest(diffuse, sample.voxel_of, starts, columns, values))
+        matters = which_matter(_strongest(diffuse, voxel_of, starts, columns, values))
         place = np.cumsum(matters, dtype=np.int32) - np.int32(1)
         return _System(
             rho_s,
             matters,
-            sample.voxel_of,
+            voxel_of,
             colours - np.float32(rho_s) * reflects_seen,
             np.hypot(
                 RELATIVE * colours + LEAST,

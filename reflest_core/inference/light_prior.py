@@ -153,6 +153,11 @@ class Unknowns:
     matters: NDArray[np.bool_]
     prior: LightPrior
 
+    @cached_property
+    def _expected(self) -> tuple[Array, Array]:
+        """Mean and width (U - 1,) of the patches that matter."""
+        return self.prior.mean[self.matters[1:]], self.prior.width[self.matters[1:]]
+
     def expected(self, albedo: float) -> Array:
         """Return the unknowns' prior mean.
 
@@ -189,8 +194,7 @@ class Unknowns:
             The unknowns (U,) and the normal matrix (U, U), prior included.
         """
         matrix, vector = matrix.copy(), vector.copy()
-        mean = self.prior.mean[self.matters[1:]]
-        width = self.prior.width[self.matters[1:]]
+        mean, width = self._expected
         precision = 1.0 / (width * max(float(start[0]), DARKEST_ALBEDO)) ** 2
         diagonal = np.arange(1, len(matrix))
         matrix[diagonal, diagonal] += precision
@@ -229,8 +233,7 @@ def log_albedo_deviation(found: Array, matrix: Array) -> float:
         found: (U,) the solution.
         matrix: (U, U) the normal matrix.
     """
-    free = found > 0.0
-    free[0] = True
-    corner = np.eye(int(free.sum()), 1)[:, 0]
-    variance = np.linalg.solve(matrix[np.ix_(free, free)], corner)[0]
-    return float(np.sqrt(variance)) / max(float(found[0]), 1e-3)
+    free = np.append(1 + np.flatnonzero(found[1:] > 0.0), 0)
+    # The last pivot squared is the inverse of the last element of the matrix' inverse.
+    pivot = float(np.linalg.cholesky(matrix[free[:, None], free])[-1, -1])
+    return 1.0 / (pivot * max(float(found[0]), 1e-3))

@@ -9,6 +9,7 @@ each with little scatter of its own, and neighbours are mostly of one.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -19,6 +20,7 @@ from scipy.spatial import cKDTree
 from reflest_core.brdf.lab import rgb_to_lab
 from reflest_core.inference.light import SceneLight
 from reflest_core.inference.transport.irradiance import weighted_radiance
+from reflest_core.jit import compiled
 from reflest_core.light.completion import RADIANCE
 
 ROUNDS = 20
@@ -110,26 +112,56 @@ def two_albedos(
     lab[:, 0] *= LIGHTNESS
     centred = lab - lab.mean(axis=0)
     axis = np.linalg.svd(centred, full_matrices=False)[2][0]
-    in_second = centred @ axis > 0.0
-    for _ in range(ROUNDS):
-        if in_second.all() or not in_second.any():
-            return None
-        means = np.stack([lab[~in_second].mean(axis=0), lab[in_second].mean(axis=0)])
-        distances = np.stack([np.sqrt(((lab - mean) ** 2).sum(axis=1)) for mean in means], axis=1)
-        nearest = distances[:, 1] < distances[:, 0]
-        if (nearest == in_second).all():
-            break
-        in_second = nearest
+    in_second, means, scatter = _divided(lab, centred @ axis > 0.0)
+    if in_second.all() or not in_second.any():
+        return None
     share = float(in_second.mean())
     shown, differs = _log_step(colours, in_second), _log_step(albedo, in_second)
     return TwoAlbedos(
         min(share, 1.0 - share),
         float(np.linalg.norm(means[0] - means[1])),
-        float(np.sqrt((distances.min(axis=1) ** 2).mean())),
+        scatter,
         float(shown @ differs) / max(float(differs @ differs), 1e-9),
         positions,
         in_second,
     )
+
+
+@compiled
+def _divided(
+    values: NDArray[np.float64], in_second: NDArray[np.bool_]
+) -> tuple[NDArray[np.bool_], NDArray[np.float64], float]:
+    """Lloyd's rounds from a division of ``values`` (N, 3), until nothing changes or one is empty.
+
+    Returns which are in the second part, the parts' means (2, 3) and the RMS distance to them.
+    """
+    means, squares = np.zeros((2, 3)), 0.0
+    is_second = in_second.copy()
+    for _ in range(ROUNDS):
+        means[:] = 0.0
+        counts = np.zeros(2)
+        for n in range(len(values)):
+            part = 1 if is_second[n] else 0
+            counts[part] += 1.0
+            for c in range(3):
+                means[part, c] += values[n, c]
+        if counts.min() == 0.0:
+            break
+        for part in range(2):
+            means[part] /= counts[part]
+        squares, has_changed = 0.0, False
+        for n in range(len(values)):
+            first, second = 0.0, 0.0
+            for c in range(3):
+                first += (values[n, c] - means[0, c]) ** 2
+                second += (values[n, c] - means[1, c]) ** 2
+            nearest = second < first
+            has_changed |= nearest != is_second[n]
+            is_second[n] = nearest
+            squares += min(first, second)
+        if not has_changed:
+            break
+    return is_second, means, math.sqrt(squares / len(values))
 
 
 def _log_step(colours: NDArray[np.floating], in_second: NDArray[np.bool_]) -> NDArray[np.float64]:

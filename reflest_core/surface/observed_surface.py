@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.jit import compiled
+from reflest_core.jit import compiled, kernel_array
 from reflest_core.light.light_map import ObservedLight
 
 NEIGHBOUR_RADIUS = 0.009
@@ -116,12 +116,34 @@ class ObservedSurface:
         Returns:
             (R, 3) unit vectors from voxel to camera centre; the normal where the two coincide.
         """
-        towards = self.view_centres[self.view_indices[rows]] - self.positions[voxels]
-        lengths = np.linalg.norm(towards, axis=1, keepdims=True)
-        nowhere = np.flatnonzero(lengths == 0.0)
-        if len(nowhere):
-            towards[nowhere], lengths[nowhere] = self.normals[voxels[nowhere]], 1.0
-        return np.asarray(towards / lengths)
+        return _directions(
+            self.positions,
+            self.normals,
+            self.view_centres,
+            kernel_array(self.view_indices[rows], np.uint16),
+            kernel_array(voxels, np.int64),
+        )
+
+
+@compiled
+def _directions(
+    positions: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    view_centres: NDArray[np.float32],
+    views: NDArray[np.uint16],
+    voxels: NDArray[np.int64],
+) -> NDArray[np.float32]:
+    directions = np.empty((len(voxels), 3), np.float32)
+    for row in range(len(voxels)):
+        position, centre = positions[voxels[row]], view_centres[views[row]]
+        x, y, z = centre[0] - position[0], centre[1] - position[1], centre[2] - position[2]
+        length = np.sqrt(x * x + y * y + z * z)
+        if length == 0.0:
+            directions[row] = normals[voxels[row]]
+        else:
+            directions[row, 0], directions[row, 1] = x / length, y / length
+            directions[row, 2] = z / length
+    return directions
 
 
 @compiled

@@ -74,6 +74,9 @@ def fit_roughnesses(
     roughnesses = lobes.shape[1]
     known = _known(colours, clipped, lobes)
     starts = np.searchsorted(voxel_of, np.arange(voxels + 1))
+    counts = np.zeros(len(known), np.bool_)
+    for o in range(len(known)):
+        counts[o] = known[o, :LANES].any()
     # Flat arrays of rows of lanes: the compiler knows their distances, and so can use vectors.
     unknowns = np.zeros((_GLOSS + 1) * LANES, np.float32)
     unknowns[_GLOSS * LANES :] = FIRST_GLOSS
@@ -90,7 +93,8 @@ def fit_roughnesses(
         for v in range(voxels):
             moments[:] = 0.0
             for o in range(starts[v], starts[v + 1]):
-                _add_observation(known[o], turn == 0, before, diffuse[v], moments)
+                if counts[o]:
+                    _add_observation(known[o], turn == 0, before, diffuse[v], moments)
             _add_voxel(moments, sums[v], equations)
         for k in range(roughnesses):
             _read_equations(equations, k, matrix, vector)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.inference.transport.mirrored_texels import fill_axes, texels_of_lobes
-from reflest_core.jit import compiled, kernel_array
+from reflest_core.jit import compiled, kernel_array, vectorised
 from reflest_core.light.completion import LightPyramid, halved
 
 LEVELS = 4
@@ -112,13 +112,9 @@ def _gather(
                 spacing = 4.0 * alpha / math.sqrt(samples)
                 level = math.ceil(math.log2(max(spacing / texel_width, 1.0)))
                 level = min(level, len(offsets) - 2)
-                for s in range(samples):
-                    x, y = alpha * slopes[0, s], alpha * slopes[1, s]
-                    scale, at = 1.0 / math.sqrt(1.0 + x * x + y * y), k * samples + s
-                    half_vectors[0, at] = x * scale
-                    half_vectors[1, at] = y * scale
-                    half_vectors[2, at] = scale
-                    sizes[at], firsts[at] = edge >> level, offsets[level]
+                lobe = slice(k * samples, (k + 1) * samples)
+                _fill_half_vectors(alpha, slopes, half_vectors[:, lobe])
+                sizes[lobe], firsts[lobe] = edge >> level, offsets[level]
         texels_of_lobes(axes, directions[observation], half_vectors, sizes, firsts, weights, texels)
         for k in range(roughnesses):
             none = np.float32(0.0)
@@ -143,3 +139,15 @@ def _gather(
                 place[EXCESS], place[EXCESS + 1] = red / samples, green / samples
                 place[EXCESS + 2] = blue / samples
     return gathered
+
+
+@vectorised
+def _fill_half_vectors(
+    alpha: float, slopes: NDArray[np.float64], half_vectors: NDArray[np.float32]
+) -> None:
+    for s in range(slopes.shape[1]):
+        x, y = alpha * slopes[0, s], alpha * slopes[1, s]
+        scale = 1.0 / math.sqrt(1.0 + x * x + y * y)
+        half_vectors[0, s] = x * scale
+        half_vectors[1, s] = y * scale
+        half_vectors[2, s] = scale

@@ -122,7 +122,7 @@ def _rate(
     colours: NDArray[np.uint8],
     variances: NDArray[np.float64],
     is_candidate: NDArray[np.bool_],
-    cells: NDArray[np.bool_],
+    cells: NDArray[np.uint8],
     origin: NDArray[np.float64],
     cell_size: float,
     bands: NDArray[np.float32],

@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.jit import compiled, kernel_array
 from reflest_core.light.cosine_weights import SIZE
 from reflest_core.light.octahedral import octahedral_directions
 
@@ -62,13 +63,17 @@ def patch_shares(weights: NDArray[np.float32]) -> NDArray[np.float32]:
     Returns:
         (V, P) share of each patch in the hemisphere, by cosine.
     """
-    return np.asarray(weights @ _patch_sums(), np.float32)
+    return _summed(kernel_array(weights, np.float32), patches_of_texels(SIZE))
 
 
-@cache
-def _patch_sums() -> NDArray[np.float32]:
-    """(SIZE * SIZE, P): 1 where a texel is of a patch."""
-    return np.eye(PATCHES, dtype=np.float32)[patches_of_texels(SIZE)]
+@compiled
+def _summed(weights: NDArray[np.float32], patch_of: NDArray[np.int64]) -> NDArray[np.float32]:
+    shares = np.zeros((len(weights), PATCHES), np.float32)
+    for v in range(len(weights)):
+        share = shares[v]
+        for texel in range(len(patch_of)):
+            share[patch_of[texel]] += weights[v, texel]
+    return shares
 
 
 def patch_image(values: NDArray[np.float32], size: int) -> NDArray[np.float32]:
