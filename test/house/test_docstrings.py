@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = ("reflest_core", "reflest_ros")
 OWN_WORDS = re.compile(
     r"\b(anew|of ours|gravest|contenders?|is told by|are told by|tells of|tells apart|foretold)\b"
-    r"|what a user can turn|made true by|untruth",
+    r"|what a user can turn|made true by|untruth|\b(elsewise|told apart|cannot be told|hangs on)\b",
     re.IGNORECASE,
 )
 """Phrases of this project's own for which the field has terms (docs/explanation/glossary.md)."""

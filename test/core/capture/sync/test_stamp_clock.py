@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Lateness, one wrong stamp and a clock that jumps back are told apart, on any set of topics."""
+"""Lateness, one wrong stamp and a clock that jumps back are distinguished, on any set of topics."""
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
