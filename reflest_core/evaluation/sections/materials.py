@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from reflest_core.evaluation.sections.markdown import Lines, Record, percent, table
+from reflest_core.evaluation.studies.scene_variants import TITLES
 from reflest_core.models.card import WARD_NAMES
 
 COLUMNS = {
@@ -23,15 +24,10 @@ def materials(record: Record) -> Lines:
     Args:
         record: Result of :func:`.measure_materials`.
     """
-    titles = {
-        "materials": "many materials in one light",
-        "true_segments": "the same with the true segments",
-        "alone": "each material in its own light",
-        "whole": "one material for the scan",
-    }
     means = [
-        [titles[name], *(float(of[column]) for column in COLUMNS)]
-        for name, of in record["means"].items()
+        [title, *(float(record["means"][name][column]) for column in COLUMNS)]
+        for name, title in TITLES.items()
+        if name in record["means"]
     ]
     rows = [
         [

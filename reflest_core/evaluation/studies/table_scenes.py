@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 from tqdm import tqdm
 
 from reflest_core.brdf.lab import luminance
@@ -30,24 +29,18 @@ from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.evaluation.statistics.map_stability import Change, change_between
 from reflest_core.evaluation.statistics.material_clouds import (
-    MATCHED_WITHIN,
-    CloudErrors,
     compare_clouds,
     read_cloud,
 )
+from reflest_core.evaluation.studies.scene_variants import VARIANTS, variants
 from reflest_core.export.material_ply import material_vertices
 from reflest_core.fusion.snapshot import MATERIAL_VOXELS
 from reflest_core.rendering.environments import irradiance
-from reflest_core.surface.partition import Partition
-from reflest_core.surface.selection import keep_voxels
 from reflest_core.synbrdf.lights.environments import find_environments, load_environment, rotated
 
 TRUTH = "truth.ply"
 NORMALS = 200
 """Directions that the irradiance is compared on."""
-VARIANTS = ("materials", "true_segments", "alone", "whole")
-"""As the node estimates; with the true segments; each material in light inferred from it alone; all
-as one."""
 MEANS = ("z", "rmse", "log_rho_d", "ari", "balanced_ari", "purity", "completeness", "matched")
 
 
@@ -90,8 +83,9 @@ def measure_materials(
     return {
         "scenes": len(rows),
         "means": {
-            variant: {name: float(np.mean([row[variant][name] for row in rows])) for name in MEANS}
+            variant: _means([row[variant] for row in rows if variant in row])
             for variant in VARIANTS
+            if any(variant in row for row in rows)
         },
         "inside": np.nanmean([one["inside"] for one in found], axis=0).tolist(),
         "irradiance": None if not known else float(np.mean(known)),
@@ -103,6 +97,7 @@ def measure_materials(
 
 def _measure(scene: Path, environments: Path | None) -> dict[str, Any]:
     truth, card = read_cloud(scene / TRUTH), _card(scene)
+    light = true_light(card, environments)
     pipeline = Pipeline(ReflestSettings())
     maps = []
     capture = open_capture(scene)
@@ -133,53 +128,14 @@ def _measure(scene: Path, environments: Path | None) -> dict[str, Any]:
         "setting": f"{card.get('setting', 'unknown')}, {card.get('light', 'unknown')} light",
         "voxels": final.surface.voxel_count,
         "cpu_seconds": seconds,
-        "materials": dataclasses.asdict(_errors(final, truth)),
-        "whole": dataclasses.asdict(_errors(_as_one(pipeline, final), truth)),
-        "alone": dataclasses.asdict(_errors(_each_alone(pipeline, final), truth)),
-        "true_segments": dataclasses.asdict(_errors(_true_segments(pipeline, final, truth), truth)),
-        "irradiance": irradiance_error(final, card, environments),
+        **{
+            name: dataclasses.asdict(compare_clouds(material_vertices(found), truth))
+            for name, found in variants(pipeline.estimator, final, truth, light)
+        },
+        "irradiance": None if light is None else irradiance_error(final, light),
         "kept": _mean([change.kept for change in changes]),
         "small_steps": _small_steps(changes),
     }
-
-
-def _errors(found: MaterialMap, truth: NDArray[np.void]) -> CloudErrors:
-    return compare_clouds(material_vertices(found), truth)
-
-
-def _as_one(pipeline: Pipeline, found: MaterialMap) -> MaterialMap:
-    """The same scan as one material."""
-    surface = found.surface
-    return pipeline.estimator.materials(
-        surface, Partition.whole(surface), found.stamp_ns, found.frame_id
-    )
-
-
-def _each_alone(pipeline: Pipeline, found: MaterialMap) -> MaterialMap:
-    """The same materials, each estimated in light inferred from it alone."""
-    rho_d, stddev = np.full_like(found.rho_d, np.nan), np.full_like(found.rho_d, np.nan)
-    ids, materials = found.material_ids, []
-    for material in found.materials:
-        voxels = np.flatnonzero(ids == material.id)
-        part = keep_voxels(found.surface, voxels)
-        try:
-            estimate = pipeline.estimator.estimate(part, found.stamp_ns, found.frame_id)
-        except NoEstimate:
-            continue
-        rho_d[voxels], stddev[voxels] = estimate.rho_d, estimate.rho_d_stddev
-        materials.append(dataclasses.replace(material, estimate=estimate))
-    return dataclasses.replace(found, materials=tuple(materials), rho_d=rho_d, rho_d_stddev=stddev)
-
-
-def _true_segments(pipeline: Pipeline, found: MaterialMap, truth: NDArray[np.void]) -> MaterialMap:
-    """The same scan divided by the truth; what lies far from every true point is one more."""
-    places = np.stack([truth[axis] for axis in "xyz"], axis=1)
-    distance, nearest = cKDTree(places).query(found.surface.positions)
-    true_ids = truth["material_id"].astype(np.int64)
-    ids = np.where(distance <= MATCHED_WITHIN, 1 + true_ids[nearest], 2 + true_ids.max())
-    return pipeline.estimator.materials(
-        found.surface, Partition.of(found.surface, ids), found.stamp_ns, found.frame_id
-    )
 
 
 def _card(scene: Path) -> dict[str, Any]:
@@ -191,23 +147,21 @@ def _card(scene: Path) -> dict[str, Any]:
     return card
 
 
-def irradiance_error(
-    found: MaterialMap, card: dict[str, Any], environments: Path | None
-) -> float | None:
-    """Error of the inferred light: RMS of the log ratio of irradiance on surfaces that face up.
+def true_light(card: dict[str, Any], environments: Path | None) -> NDArray[np.float32] | None:
+    """Read the light that a scene was rendered in.
 
     Args:
-        found: The materials of a scan, z up.
         card: The scene's ``truth.json``.
         environments: The environments that the scene was generated with, or None.
 
     Returns:
-        The error of the luminance; None without environments or under near light.
+        (H, 2 H, 3) equirectangular, linear, 1 at the sensor's white, turned as in the scene; None
+        without environments or under near light.
 
     Raises:
         EvaluationError: The scene's environment is not among them.
     """
-    if environments is None or found.light is None or card.get("light") != "distant":
+    if environments is None or card.get("light") != "distant":
         return None
     sources = {source.name: source for source in find_environments(environments)}
     if card["environment"] not in sources:
@@ -215,14 +169,32 @@ def irradiance_error(
             f"{environments} has no {card['environment']}: give the environments of the scenes"
         )
     radiance = load_environment(sources[card["environment"]])
-    true = rotated(radiance, card["environment_rotation"]) * np.float32(card["exposure"])
+    return rotated(radiance, card["environment_rotation"]) * np.float32(card["exposure"])
+
+
+def irradiance_error(found: MaterialMap, light: NDArray[np.float32]) -> float | None:
+    """Error of the inferred light: RMS of the log ratio of irradiance on surfaces that face up.
+
+    Args:
+        found: The materials of a scan, z up.
+        light: See :func:`true_light`.
+
+    Returns:
+        The error of the luminance; None where the network sees no light.
+    """
+    if found.light is None:
+        return None
     estimated = from_octahedral(found.light.completed.levels[0]).radiance
     normals = np.random.default_rng(0).normal(size=(NORMALS, 3))
     normals[:, 2] = np.abs(normals[:, 2])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    one, other = (luminance(irradiance(light, normals)) for light in (estimated, true))
+    one, other = (luminance(irradiance(radiance, normals)) for radiance in (estimated, light))
     ratio = np.log(np.maximum(one, 1e-9) / np.maximum(other, 1e-9))
     return float(np.sqrt((ratio**2).mean()))
+
+
+def _means(errors: list[dict[str, Any]]) -> dict[str, float]:
+    return {name: float(np.mean([one[name] for one in errors])) for name in MEANS}
 
 
 def _small_steps(changes: list[Change]) -> float:

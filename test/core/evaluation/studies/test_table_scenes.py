@@ -14,16 +14,14 @@ from reflest_core.cli.main import main
 from reflest_core.environment.environment_map import EnvironmentMap
 from reflest_core.evaluation.networks import EvaluationError
 from reflest_core.evaluation.statistics.map_stability import change_between
-from reflest_core.evaluation.studies.table_scenes import find_tables, irradiance_error
+from reflest_core.evaluation.studies.table_scenes import find_tables, irradiance_error, true_light
 from reflest_core.export.environment_file import environment_bytes
 from reflest_core.inference.light import SceneLight
 from reflest_core.light.completion import LightPyramid
-from reflest_core.light.equirectangular import radiance_from
-from reflest_core.light.octahedral import octahedral_directions
 from reflest_core.rendering.environments import studio
 from reflest_core.surface.partition import Partition
-from reflest_core.synbrdf.lights.environments import rotated
 from reflest_core.synbrdf.tabletop.truth import POINT, write_cloud
+from reflest_core.viewer.lights import octahedral_light
 from test.core.export.scanned_ball import RED_ID, STRIPED_ID, scanned_ball
 
 CAPTURE = Path(__file__).parents[4] / "captures" / "glossy-red"
@@ -58,6 +56,8 @@ def test_a_scene_is_measured_and_is_on_the_page(tables, tmp_path):
     assert row["materials"]["materials"] == 1
     assert record["means"]["materials"]["z"] == row["materials"]["z"]
     assert 0.0 <= row["kept"] <= 1.0
+    assert "true_light" not in row
+    assert record["means"]["seen_light"]["z"] == row["seen_light"]["z"]
     page = (tmp_path / "index.md").read_text()
     line = next(
         line for line in page.splitlines() if line.startswith("| many materials in one light |")
@@ -107,20 +107,25 @@ def test_the_error_of_the_light_is_that_of_its_irradiance(tmp_path):
         "environment_rotation": 1.0,
         "exposure": 2.0,
     }
-    turned = 2.0 * rotated(radiance, 1.0)
-    known = np.zeros((96, 96, 5), np.float32)
-    known[..., :3] = radiance_from(turned, octahedral_directions(96).reshape(-1, 3)).reshape(
-        96, 96, 3
-    )
+    turned = true_light(card, tmp_path)
+    known = octahedral_light(turned)
     _, found = scanned_ball()
 
     def error(factor):
         pyramid = LightPyramid([factor * known], np.zeros((96, 96, 3), np.float32))
         scene = SceneLight(found.surface.light, pyramid, pyramid, None, {}, {})
-        return irradiance_error(dataclasses.replace(found, light=scene), card, tmp_path)
+        return irradiance_error(dataclasses.replace(found, light=scene), turned)
 
     assert error(np.float32(1.0)) < 0.03
     assert error(np.float32(2.0)) == pytest.approx(np.log(2), abs=0.03)
-    near = {**card, "light": "near"}
-    assert irradiance_error(found, near, tmp_path) is None
-    assert irradiance_error(found, card, None) is None
+    assert true_light({**card, "light": "near"}, tmp_path) is None
+    assert true_light(card, None) is None
+
+
+def test_an_environment_that_is_not_there_is_named(tmp_path):
+    radiance = studio(64)
+    nothing_unseen = np.ones(radiance.shape[:2], np.float32)
+    light = EnvironmentMap(radiance, nothing_unseen, 0 * nothing_unseen)
+    (tmp_path / "studio.hdr").write_bytes(environment_bytes(light, "hdr"))
+    with pytest.raises(EvaluationError, match="has no forest"):
+        true_light({"light": "distant", "environment": "forest"}, tmp_path)
