@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.evaluation.networks import EvaluationError
-from reflest_core.evaluation.pictures.bumpy import SIZE
+from reflest_core.evaluation.pictures.rendered_shapes import SIZE
 from reflest_core.evaluation.pictures.swatches import Swatch
 from reflest_core.training.data.sample import Sample
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from reflest_core.evaluation.paper_figures import TABLES_2_AND_3
-from reflest_core.evaluation.pictures.bumpy import bumpy_sphere, sphere
 from reflest_core.evaluation.pictures.image_distance import ImageDistance, image_distance
+from reflest_core.evaluation.pictures.rendered_shapes import bumpy_sphere, sphere
 from reflest_core.evaluation.pictures.swatches import (
     EnvironmentSwatch,
     PointLightSwatch,

@@ -18,7 +18,7 @@ from reflest_core.brdf import srgb
 from reflest_core.brdf.models import Ward
 from reflest_core.brdf.parameters import ALPHA, RHO_D, RHO_S
 from reflest_core.brdf.sampling import sample_specular, specular_weight
-from reflest_core.evaluation.pictures.bumpy import Shape
+from reflest_core.evaluation.pictures.rendered_shapes import Shape
 from reflest_core.light.equirectangular import nearest_radiance
 from reflest_core.rendering.environments import irradiance
 from reflest_core.synbrdf.scenes.exposure import auto_exposure

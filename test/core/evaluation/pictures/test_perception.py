@@ -8,9 +8,9 @@ import pytest
 from reflest_core.brdf import srgb
 from reflest_core.brdf.sampling import specular_albedo
 from reflest_core.evaluation.pictures import swatches
-from reflest_core.evaluation.pictures.bumpy import bumpy_sphere, sphere
 from reflest_core.evaluation.pictures.image_distance import image_distance
 from reflest_core.evaluation.pictures.perception import measure_perception
+from reflest_core.evaluation.pictures.rendered_shapes import bumpy_sphere, sphere
 from reflest_core.evaluation.pictures.swatches import (
     EnvironmentSwatch,
     PointLightSwatch,

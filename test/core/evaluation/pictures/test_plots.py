@@ -7,7 +7,7 @@ import numpy as np
 
 from reflest_core.brdf import srgb
 from reflest_core.evaluation import parts
-from reflest_core.evaluation.pictures.bumpy import SIZE
+from reflest_core.evaluation.pictures.rendered_shapes import SIZE
 from test.core.evaluation.results import FIGURES, read
 
 

@@ -13,7 +13,7 @@ import pytest
 from reflest_core.cli.main import main
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.evaluation.networks import EvaluationError
-from reflest_core.evaluation.sections.stability import stability
+from reflest_core.evaluation.sections.uncertainty import stability
 from reflest_core.evaluation.studies import stability as study
 
 CAPTURE = Path(__file__).parents[4] / "captures" / "glossy-red"
