@@ -145,6 +145,7 @@ class Diagnostics:
             **session.output.materials.details,
             "time of fusion (s)": f"{counts.fusion_seconds:.3f}",
             "depth agreement": f"{session.scanner.poses.agreement:.3f}",
+            "colour agreement": f"{session.scanner.poses.colour_agreement:.3f}",
             "pose jumps": str(session.scanner.poses.jumps),
             "voxels": str(counts.voxels),
             "observations": str(counts.observations),

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Prints how well depth maps of captures meet, as they are and under mistakes in their poses."""
+"""Prints how well depth maps and colours of captures meet, as they are and under mistakes."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf import srgb
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.open_capture import open_capture
+from reflest_core.capture.pose import rigid_matrix
 from reflest_core.fusion.poses.agreement import DepthSample
 from reflest_core.fusion.poses.check import PoseCheck
 from reflest_core.fusion.poses.conventions import OPTICAL_IN_BODY
@@ -29,19 +31,104 @@ MISTAKES: dict[str, Callable[[Pose], Pose]] = {
 }
 
 
+def _focal_doubled(frames: list[Frame]) -> list[Frame]:
+    return [
+        replace(
+            frame,
+            intrinsics=replace(
+                frame.intrinsics, fx=2.0 * frame.intrinsics.fx, fy=2.0 * frame.intrinsics.fy
+            ),
+        )
+        for frame in frames
+    ]
+
+
+def _shuffled(frames: list[Frame]) -> list[Frame]:
+    order = np.random.default_rng(0).permutation(len(frames))
+    return [replace(frame, rgb=frames[k].rgb) for frame, k in zip(frames, order, strict=True)]
+
+
+def _linear(frames: list[Frame]) -> list[Frame]:
+    return [
+        replace(frame, rgb=np.round(255.0 * srgb.LINEAR[frame.rgb]).astype(np.uint8))
+        for frame in frames
+    ]
+
+
+FAULTS: dict[str, Callable[[list[Frame]], list[Frame]]] = {
+    "focal lengths doubled": _focal_doubled,
+    "colours of other frames": _shuffled,
+    "linear colours": _linear,
+}
+JUMPS: dict[str, Pose] = {
+    "10 cm": rigid_matrix(np.array([0.1, 0.0, 0.0]), np.array([0.0, 0.0, 0.0, 1.0])),
+    "5 degrees": rigid_matrix(
+        np.zeros(3), np.array([0.0, 0.0, np.sin(np.radians(2.5)), np.cos(np.radians(2.5))])
+    ),
+}
+FIRST, LAST = 6, 3
+"""A jump is tried before every frame but so many at the beginning and at the end."""
+THICKNESS = 0.006
+"""Half that of a bare table, whose plane is z = 0; metres."""
+
+
 def main() -> None:
     """Print a line for each capture and mistake."""
-    parser = argparse.ArgumentParser(description="Agreement of depth maps: median (least).")
+    parser = argparse.ArgumentParser(
+        description="Agreement of depth maps: median (least), and of colours."
+    )
+    parser.add_argument(
+        "--bare-table", action="store_true", help="keep the depth of the plane z = 0 alone"
+    )
     parser.add_argument("captures", nargs="+", help="bags or folders")
-    for capture in parser.parse_args().captures:
+    options = parser.parse_args()
+    for capture in options.captures:
         frames = list(open_capture(capture))
+        if options.bare_table:
+            frames = [_plane(frame) for frame in frames]
         for mistake, convention in MISTAKES.items():
-            check = PoseCheck()
-            for frame in frames:
-                check.add(replace(frame, T_world_camera=convention(frame.T_world_camera)))
-            report = check.report
-            print(f"{capture}, {mistake}: {report.agreement:.2f} ({report.worst:.2f})")
+            moved = [
+                replace(frame, T_world_camera=convention(frame.T_world_camera)) for frame in frames
+            ]
+            _print(f"{capture}, {mistake}", moved)
+        for mistake, fault in FAULTS.items():
+            _print(f"{capture}, {mistake}", fault(frames))
         print(f"{capture}, tracker jumps by 6 cm: {_across_jump(frames):.2f} across the jump")
+        for name, jump in JUMPS.items():
+            places = range(FIRST, len(frames) - LAST + 1)
+            found = sum(_is_found(frames, jump, place) for place in places)
+            print(f"{capture}, tracker jumps by {name}: found at {found} of {len(places)} places")
+
+
+def _print(what: str, frames: list[Frame]) -> None:
+    check = PoseCheck()
+    for frame in frames:
+        check.add(frame)
+    report = check.report
+    print(
+        f"{what}: {report.agreement:.2f} ({report.worst:.2f}), colours "
+        f"{report.colour_agreement:.2f}: {report.problem or 'no problem'}"
+    )
+
+
+def _plane(frame: Frame) -> Frame:
+    """Only the depth of the plane z = 0."""
+    rows, columns = np.mgrid[: frame.depth.shape[0], : frame.depth.shape[1]]
+    camera, depth = frame.intrinsics, frame.depth
+    points = [(columns - camera.cx) / camera.fx, (rows - camera.cy) / camera.fy, 1.0]
+    up = frame.T_world_camera[2]
+    height = depth * sum(up[axis] * points[axis] for axis in range(3)) + up[3]
+    return replace(frame, depth=np.where(np.abs(height) < THICKNESS, depth, 0.0).astype(np.float32))
+
+
+def _is_found(frames: list[Frame], jump: Pose, place: int) -> bool:
+    """Whether a jump before a frame is confirmed by the frame after it."""
+    check = PoseCheck()
+    for index, frame in enumerate(frames[: place + 2]):
+        pose = jump @ frame.T_world_camera if index >= place else frame.T_world_camera
+        if check.add(replace(frame, T_world_camera=pose)) is not None:
+            return index == place + 1
+    return False
 
 
 def _across_jump(frames: list[Frame]) -> float:

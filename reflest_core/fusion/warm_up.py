@@ -12,6 +12,7 @@ from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.observations.eviction import least_worthy
 from reflest_core.fusion.poses.agreement import DepthSample
+from reflest_core.fusion.poses.colours import PlacedFrame
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.fusion.tsdf.tsdf_blocks import erase_blocks, surface_keys
@@ -41,6 +42,8 @@ def warm_up() -> None:
     scan.snapshot()
     sample = DepthSample(wall)
     sample.meets(sample, np.eye(4))
+    placed = PlacedFrame(wall, sample)
+    placed.colours_meet(placed)
     at_one_exposure(np.zeros((1, 3), np.uint8), np.full(1, 2.0, np.float32), np.zeros(1, np.uint16))
     scan.store.drop_views(np.array([0]))
     least_worthy(scan.store.rows.last_seen, scan.store.rows.counts, 0, 0, 0)

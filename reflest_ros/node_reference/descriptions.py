@@ -102,6 +102,10 @@ DIAGNOSTICS = {
         "Share of a keyframe's depth that meets the next one's under the given poses; nan before "
         "the second."
     ),
+    "colour agreement": (
+        "Median correlation of colour detail from frame to frame where depth meets, -1 to 1; nan "
+        "where nothing has texture."
+    ),
     "pose jumps": "Jumps of the tracker since the scan began; see `fusion.on_jump`.",
     "voxels": "Surface voxels in the store.",
     "observations": "Observations in the store.",

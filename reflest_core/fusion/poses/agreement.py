@@ -59,6 +59,8 @@ class DepthSample:
     Attributes:
         depth: (H, W) float32 metres; 0 where unknown or masked away.
         pose: (4, 4) float64, ``T_world_camera``.
+        pinhole: fx, fy, cx, cy, pixels.
+        rays: (N, 3) x and y at unit depth, and depth, metres, of the sampled pixels.
     """
 
     def __init__(self, frame: Frame) -> None:
@@ -72,14 +74,14 @@ class DepthSample:
         self.depth = kernel_array(depth, np.float32)
         self.pose = np.asarray(frame.T_world_camera, np.float64)
         camera = frame.intrinsics
-        self._pinhole = np.array([camera.fx, camera.fy, camera.cx, camera.cy])
+        self.pinhole = np.array([camera.fx, camera.fy, camera.cx, camera.cy])
         valid = COUNTED**2 * np.count_nonzero(self.depth[::COUNTED, ::COUNTED])
-        self._rays = _sampled(self.depth, *_strides(valid / SAMPLES), self._pinhole)
+        self.rays = _sampled(self.depth, *_strides(valid / SAMPLES), self.pinhole)
 
     @property
     def size(self) -> int:
         """Number of pixels in the sample."""
-        return len(self._rays)
+        return len(self.rays)
 
     @cached_property
     def T_camera_world(self) -> NDArray[np.float64]:
@@ -89,7 +91,7 @@ class DepthSample:
     @cached_property
     def median_depth(self) -> float:
         """Median depth of the sample, metres; 0 without any."""
-        depth, middle = self._rays[:, 2], len(self._rays) // 2
+        depth, middle = self.rays[:, 2], len(self.rays) // 2
         return float(np.partition(depth, middle)[middle]) if len(depth) else 0.0
 
     def meets(
@@ -98,6 +100,7 @@ class DepthSample:
         T_earlier_self: NDArray[np.float64],
         is_ray: bool = False,
         most: int = 4 * SAMPLES,
+        focal: float = 1.0,
     ) -> Agreement:
         """Compare this frame's sample with an earlier frame's depth map.
 
@@ -106,20 +109,36 @@ class DepthSample:
             T_earlier_self: (4, 4) this camera's optical frame in the earlier one's.
             is_ray: Read both depth maps as distances along the pixels' rays.
             most: Compare so many samples at most, about, taken evenly.
+            focal: Factor on the focal lengths of both frames.
 
         Returns:
             The agreement; not known where the two frames share too little.
         """
         transform = kernel_array(T_earlier_self, np.float64)
         agreeing, cost, count = _compared(
-            self._rays,
-            max(len(self._rays) // most, 1),
+            self.rays,
+            max(len(self.rays) // most, 1),
             transform,
             earlier.depth,
-            earlier._pinhole,
+            earlier.pinhole,
             is_ray,
+            focal,
         )
         return Agreement(agreeing / max(count, 1), cost / max(count, 1), count)
+
+
+def motion(relative: NDArray[np.float64]) -> tuple[float, float]:
+    """Measure the motion between two frames.
+
+    Args:
+        relative: (4, 4) one camera's pose in the other's frame.
+
+    Returns:
+        The angle, radians, and the distance, metres.
+    """
+    rotation, translation = relative[:3, :3].tolist(), relative[:3, 3].tolist()
+    cosine = (rotation[0][0] + rotation[1][1] + rotation[2][2] - 1.0) / 2.0
+    return math.acos(min(max(cosine, -1.0), 1.0)), math.hypot(*translation)
 
 
 def _strides(pixels_a_sample: float) -> tuple[int, int]:
@@ -130,6 +149,20 @@ def _strides(pixels_a_sample: float) -> tuple[int, int]:
     of_columns = max(2 * round((math.sqrt(pixels_a_sample) - 1.0) / 2.0) + 1, 1)
     of_rows = max(2 * math.ceil((pixels_a_sample / of_columns - 1.0) / 2.0) + 1, 1)
     return of_rows, of_columns
+
+
+@compiled
+def depth_tolerance(depth: float) -> float:
+    """Return the distance along the optical axis within which depths agree.
+
+    Args:
+        depth: Metres; 0 where unknown.
+
+    Returns:
+        Metres.
+    """
+    growth = depth**GROWTH if depth > 1.0 else 1.0
+    return float(min(TOLERANCE * growth, RELATIVE_TOLERANCE * depth))
 
 
 @compiled
@@ -160,13 +193,18 @@ def _compared(
     depth: NDArray[np.float32],
     pinhole: NDArray[np.float64],
     is_ray: bool,
+    focal: float,
 ) -> tuple[int, float, int]:
     """Return how many samples agree, their summed cost, and how many are in sight of both."""
     agreeing, cost, count = 0, 0.0, 0
     fx, fy, cx, cy = pinhole
+    fx *= focal
+    fy *= focal
     height, width = depth.shape
     for index in range(0, len(rays), stride):
         x, y, here = rays[index]
+        x /= focal
+        y /= focal
         if is_ray:
             here /= math.sqrt(1.0 + x * x + y * y)
         away = _row(transform[2], x, y, here)
@@ -189,9 +227,7 @@ def _compared(
             continue
         if is_ray:
             there /= math.sqrt(1.0 + ((at_column - cx) / fx) ** 2 + ((at_row - cy) / fy) ** 2)
-        growth = there**GROWTH if there > 1.0 else 1.0
-        tolerance = min(TOLERANCE * growth, RELATIVE_TOLERANCE * there)
-        distance = abs(away - there) / tolerance
+        distance = abs(away - there) / depth_tolerance(there)
         agreeing += 1 if distance <= 1.0 else 0
         cost += min(distance, 1.0)
         count += 1

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Watches a scan's poses: whether frames meet, jumps of the tracker, depth along rays."""
+"""Watches a scan's poses: whether frames meet, jumps of the tracker, depth along rays, colours."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from reflest_core.capture.frame import Frame
-from reflest_core.fusion.poses.agreement import DepthSample
+from reflest_core.fusion.poses.agreement import DepthSample, motion
 from reflest_core.fusion.poses.conventions import Pair, likely_convention
-from reflest_core.fusion.poses.jumps import JumpDetector, motion
+from reflest_core.fusion.poses.jumps import JumpDetector
 
 LEAST_SHARE = 0.6
 """Below this pairs do not meet. Right poses give .7 to 1, wrong conventions 0 to .7."""
@@ -52,6 +52,8 @@ class PoseReport:
         pairs: Pairs of frames that were compared.
         agreement: Median share of depth that meets, in [0, 1]; NaN without pairs.
         worst: The least share of a pair; NaN without pairs.
+        colour_agreement: Median correlation of colour detail from frame to frame, in [-1, 1], where
+            their depth meets; NaN where nothing has texture.
         jumps: Jumps of the tracker since the scan began.
         problem: A sentence that says what is wrong and what to change, or "".
     """
@@ -59,6 +61,7 @@ class PoseReport:
     pairs: int
     agreement: float
     worst: float
+    colour_agreement: float
     jumps: int
     problem: str
 
@@ -68,6 +71,9 @@ class PoseReport:
             "pairs": self.pairs,
             "agreement": None if math.isnan(self.agreement) else self.agreement,
             "worst": None if math.isnan(self.worst) else self.worst,
+            "colour_agreement": (
+                None if math.isnan(self.colour_agreement) else self.colour_agreement
+            ),
             "jumps": self.jumps,
             "problem": self.problem or None,
         }
@@ -133,6 +139,14 @@ class PoseCheck:
         return shares[len(shares) // 2] if shares else math.nan
 
     @property
+    def colour_agreement(self) -> float:
+        """Median correlation of colour detail from frame to frame; NaN where nothing has texture.
+
+        For any thread.
+        """
+        return self._detector.colours.agreement
+
+    @property
     def jumps(self) -> int:
         """Jumps of the tracker since the scan began. For any thread."""
         return len(self._jumps)
@@ -148,6 +162,7 @@ class PoseCheck:
             len(self._shares),
             middle,
             min(self._shares, default=math.nan),
+            self.colour_agreement,
             len(self._jumps),
             self._problem(middle),
         )
@@ -178,7 +193,8 @@ class PoseCheck:
             self._costs.append((agreement.cost, as_ray.cost))
 
     def _problem(self, middle: float) -> str:
-        sentences = [self._convention(middle), self._ray_length(), self._jump()]
+        colours = self._detector.colours.problem
+        sentences = [self._convention(middle), self._ray_length(), colours, self._jump()]
         return "; ".join(sentence for sentence in sentences if sentence)
 
     def _convention(self, middle: float) -> str:

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The usual mistakes in poses and depth, tried on pairs of frames that do not meet."""
+"""The usual mistakes in poses, depth and intrinsics, tried on pairs of frames that do not meet."""
 
 from __future__ import annotations
 
@@ -22,6 +22,8 @@ GAIN = 0.15
 """It is named where it raises the share by at least this much."""
 SCALES = (1000.0, 100.0, 10.0, 5.0, 4.0, 3.28084, 2.5, 2.0, 1.6, 1.25)
 """Factors between units, and some in between for trackers of unknown scale."""
+FOCAL_SCALES = (4.0, 3.0, 2.0, 1.5, 1.333)
+"""Between the resolutions that cameras offer."""
 
 OPTICAL_IN_BODY: Matrix = np.array(
     [[0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
@@ -33,15 +35,17 @@ OPTICAL_IN_OPENGL: Matrix = np.diag([1.0, -1.0, -1.0, 1.0])
 
 @dataclass(frozen=True)
 class Convention:
-    """A reading of poses and depth other than this package's own.
+    """A reading of poses, depth and intrinsics other than this package's own.
 
     Attributes:
         sentence: What the poses or the depth seem to be, and what to change.
         pose: From a pose as it came, (4, 4), to the optical frame's ``T_world_camera``.
+        focal: Factor on the focal lengths.
     """
 
     sentence: str
     pose: Callable[[Matrix], Matrix]
+    focal: float = 1.0
 
 
 def _inverse(pose: Matrix) -> Matrix:
@@ -113,6 +117,14 @@ def _conventions() -> Iterator[Convention]:
                 "capture.depth_scale",
                 _scaled(factor),
             )
+    for scale in FOCAL_SCALES:
+        for factor, fits in ((scale, "longer"), (1 / scale, "shorter")):
+            yield Convention(
+                f"the focal lengths seem wrong: {scale:g} times {fits} ones fit the depth; check "
+                "that camera_info is of the images' resolution",
+                lambda pose: pose,
+                factor,
+            )
 
 
 def _transposed(pose: Matrix) -> Matrix:
@@ -151,4 +163,4 @@ def _under(convention: Convention, earlier: DepthSample, later: DepthSample) -> 
         relative = np.linalg.inv(convention.pose(earlier.pose)) @ convention.pose(later.pose)
     except np.linalg.LinAlgError:
         return Agreement(0.0, 1.0, 0)
-    return later.meets(earlier, relative)
+    return later.meets(earlier, relative, focal=convention.focal)

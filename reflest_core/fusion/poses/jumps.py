@@ -4,6 +4,7 @@
 
 A step is contradicted where the two depth maps stop meeting, and where they share nothing although
 the images look alike. A step that is too fast is contradicted unless the depth maps meet well.
+Where depth contradicts nothing, as along a plane, colours may (:mod:`.colours`).
 """
 
 from __future__ import annotations
@@ -11,14 +12,13 @@ from __future__ import annotations
 import math
 import statistics
 from collections import deque
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
-from reflest_core.fusion.poses.agreement import Agreement, DepthSample
+from reflest_core.fusion.poses.agreement import Agreement, DepthSample, motion
+from reflest_core.fusion.poses.colours import ColourCheck, PlacedFrame
 
 STEADY = 0.8
 """Consecutive frames must have agreed so well for a jump to stand out."""
@@ -61,35 +61,22 @@ THUMBNAIL = 8
 """Rows and columns of a thumbnail."""
 
 
-@dataclass(frozen=True)
-class _Placed:
-    """A frame with its depth sample."""
-
-    frame: Frame
-    sample: DepthSample
-
-    @cached_property
-    def thumbnail(self) -> NDArray[np.float32]:
-        """Mean colours of the image's cells, (THUMBNAIL**2, 3)."""
-        height, width = (max(size // THUMBNAIL, 1) for size in self.frame.rgb.shape[:2])
-        cells = self.frame.rgb[: height * THUMBNAIL, : width * THUMBNAIL].astype(np.float32)
-        rows = np.add.reduceat(cells, np.arange(0, len(cells), height), axis=0)
-        whole = np.add.reduceat(rows, np.arange(0, cells.shape[1], width), axis=1)
-        return np.asarray(whole.reshape(-1, 3) / (height * width), np.float32)
-
-
 class JumpDetector:
     """Watches consecutive frames; a frame after the jump confirms it.
 
     After a jump the new frames agree among themselves; after one bad frame they do not.
+
+    Attributes:
+        colours: how well the colours of consecutive frames meet.
     """
 
     def __init__(self) -> None:
+        self.colours = ColourCheck()
         self._steady: deque[float] = deque(maxlen=9)
         self._common: deque[float] = deque(maxlen=9)
         self._speeds: deque[tuple[float, float]] = deque(maxlen=9)
-        self._previous: _Placed | None = None
-        self._before: _Placed | None = None
+        self._previous: PlacedFrame | None = None
+        self._before: PlacedFrame | None = None
         self._contradicted = 0
 
     @property
@@ -108,10 +95,11 @@ class JumpDetector:
             None, or where this frame confirms a jump: the first frame after it, which is the one
             before ``frame``, and its sample.
         """
-        previous, self._previous = self._previous, _Placed(frame, sample)
+        previous, self._previous = self._previous, PlacedFrame(frame, sample)
         if previous is None:
             return None
         step = _met(previous, self._previous)
+        is_jump_by_colour = self.colours.add(previous, self._previous)
         if self._is_contradicted(previous, self._previous, step):
             self._contradicted += 1
             if self._contradicted == 1:
@@ -132,14 +120,15 @@ class JumpDetector:
         if step.is_known:
             self._steady.append(step.share)
             self._common.append(_common(step, self._previous))
-        return (previous.frame, previous.sample) if is_jump else None
+        return (previous.frame, previous.sample) if is_jump or is_jump_by_colour else None
 
     def restart(self) -> None:
         """Compare the next frame with none before it, as after a jump of the clock."""
         self._previous = None
         self._forget_pending()
+        self.colours.restart()
 
-    def _forget_pending(self) -> _Placed | None:
+    def _forget_pending(self) -> PlacedFrame | None:
         before, self._before, self._contradicted = self._before, None, 0
         return before
 
@@ -151,7 +140,7 @@ class JumpDetector:
         usual = statistics.median(self._steady)
         return usual if usual >= STEADY else 0.0
 
-    def _is_across_jump(self, before: _Placed, first: _Placed, later: _Placed) -> bool:
+    def _is_across_jump(self, before: PlacedFrame, first: PlacedFrame, later: PlacedFrame) -> bool:
         """Whether what came after contradicted steps does not meet what was before them."""
         if not self._is_contradicted(before, first, _met(before, first)):
             return False
@@ -160,7 +149,7 @@ class JumpDetector:
         across = _met(before, later)
         return not across.is_known or across.share < JUMP * self._usual
 
-    def _is_contradicted(self, earlier: _Placed, later: _Placed, step: Agreement) -> bool:
+    def _is_contradicted(self, earlier: PlacedFrame, later: PlacedFrame, step: Agreement) -> bool:
         is_too_fast = self._is_too_fast(earlier, later)
         if not step.is_known:
             return is_too_fast or (
@@ -172,7 +161,7 @@ class JumpDetector:
         usual_common = statistics.median(self._common) if self._usual else 0.0
         return step.share < FAST_JUMP * usual or _common(step, later) < FAST_COMMON * usual_common
 
-    def _is_too_fast(self, earlier: _Placed, later: _Placed) -> bool:
+    def _is_too_fast(self, earlier: PlacedFrame, later: PlacedFrame) -> bool:
         speed, turn_rate = _speeds(earlier, later)
         if not self._speeds:
             return not speed <= FIRST_SPEED
@@ -183,52 +172,43 @@ class JumpDetector:
         )
 
 
-def motion(relative: NDArray[np.float64]) -> tuple[float, float]:
-    """Measure the motion between two frames.
-
-    Args:
-        relative: (4, 4) one camera's pose in the other's frame.
-
-    Returns:
-        The angle, radians, and the distance, metres.
-    """
-    rotation, translation = relative[:3, :3].tolist(), relative[:3, 3].tolist()
-    cosine = (rotation[0][0] + rotation[1][1] + rotation[2][2] - 1.0) / 2.0
-    return math.acos(min(max(cosine, -1.0), 1.0)), math.hypot(*translation)
+def _met(earlier: PlacedFrame, later: PlacedFrame) -> Agreement:
+    return later.sample.meets(earlier.sample, later.in_frame_of(earlier), most=STEP_SAMPLES)
 
 
-def _between(earlier: _Placed, later: _Placed) -> NDArray[np.float64]:
-    return np.asarray(earlier.sample.T_camera_world @ later.sample.pose, np.float64)
-
-
-def _met(earlier: _Placed, later: _Placed) -> Agreement:
-    return later.sample.meets(earlier.sample, _between(earlier, later), most=STEP_SAMPLES)
-
-
-def _common(step: Agreement, later: _Placed) -> float:
+def _common(step: Agreement, later: PlacedFrame) -> float:
     """Share of all compared samples that agree, in sight of both frames or not."""
     size = later.sample.size
     return step.share * step.count * max(size // STEP_SAMPLES, 1) / max(size, 1)
 
 
-def _speeds(earlier: _Placed, later: _Placed) -> tuple[float, float]:
+def _speeds(earlier: PlacedFrame, later: PlacedFrame) -> tuple[float, float]:
     """Metres and radians a second between two frames."""
-    turn, distance = motion(_between(earlier, later))
+    turn, distance = motion(later.in_frame_of(earlier))
     seconds = max((later.frame.stamp_ns - earlier.frame.stamp_ns) * 1e-9, SHORTEST)
     return distance / seconds, turn / seconds
 
 
-def _are_apart(earlier: _Placed, later: _Placed) -> bool:
+def _are_apart(earlier: PlacedFrame, later: PlacedFrame) -> bool:
     """Whether the poses can be why the depth maps share nothing, not gaps in the depth."""
-    turn, distance = motion(_between(earlier, later))
+    turn, distance = motion(later.in_frame_of(earlier))
     depth = earlier.sample.median_depth
     return depth > 0.0 and (turn > APART_TURN or distance > APART_SHIFT * depth)
 
 
-def _are_alike(earlier: _Placed, later: _Placed) -> bool:
+def _are_alike(earlier: PlacedFrame, later: PlacedFrame) -> bool:
     """Whether two images nearly show the same."""
-    here, there = earlier.thumbnail, later.thumbnail
+    here, there = _thumbnail(earlier), _thumbnail(later)
     if here.shape != there.shape:
         return False
     unrelated = float(np.abs(here[:, None] - there[None]).mean())
     return float(np.abs(here - there).mean()) < ALIKE * unrelated
+
+
+def _thumbnail(placed: PlacedFrame) -> NDArray[np.float32]:
+    """Mean colours of the image's cells, (THUMBNAIL**2, 3)."""
+    height, width = (max(size // THUMBNAIL, 1) for size in placed.frame.rgb.shape[:2])
+    cells = placed.frame.rgb[: height * THUMBNAIL, : width * THUMBNAIL].astype(np.float32)
+    rows = np.add.reduceat(cells, np.arange(0, len(cells), height), axis=0)
+    whole = np.add.reduceat(rows, np.arange(0, cells.shape[1], width), axis=1)
+    return np.asarray(whole.reshape(-1, 3) / (height * width), np.float32)

@@ -88,6 +88,24 @@ def test_depth_in_another_unit_is_named(frames):
     assert "5 times longer" in report.problem
 
 
+@pytest.mark.parametrize(("factor", "words"), [(2.0, "2 times shorter"), (0.5, "2 times longer")])
+def test_focal_lengths_of_another_resolution_are_named(frames, factor, words):
+    scaled_focal = [
+        replace(
+            frame,
+            intrinsics=replace(
+                frame.intrinsics,
+                fx=factor * frame.intrinsics.fx,
+                fy=factor * frame.intrinsics.fy,
+            ),
+        )
+        for frame in frames
+    ]
+    problem = report_of(scaled_focal).problem
+    assert "the focal lengths seem wrong" in problem
+    assert words in problem
+
+
 def test_poses_without_any_convention_still_have_a_problem(frames):
     noise = np.random.default_rng(3)
     astray = placed(frames, lambda pose: pose @ moved(*noise.normal(0.0, 0.1, 3)))
