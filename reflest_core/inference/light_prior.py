@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from reflest_core.brdf.lab import luminance
 from reflest_core.inference.nonnegative import nonnegative_minimum
 from reflest_core.inference.transport.patch_grid import PATCHES, patch_directions
+from reflest_core.jit import compiled
 
 ALBEDO = (0.3, 0.25)
 """Prior mean and standard deviation of ``rho_d``."""
@@ -233,7 +234,17 @@ def log_albedo_deviation(found: Array, matrix: Array) -> float:
         found: (U,) the solution.
         matrix: (U, U) the normal matrix.
     """
-    free = np.append(1 + np.flatnonzero(found[1:] > 0.0), 0)
-    # The last pivot squared is the inverse of the last element of the matrix' inverse.
-    pivot = float(np.linalg.cholesky(matrix[free[:, None], free])[-1, -1])
-    return 1.0 / (pivot * max(float(found[0]), 1e-3))
+    return float(np.sqrt(1.0 / _last_pivot(matrix, found))) / max(float(found[0]), 1e-3)
+
+
+@compiled
+def _last_pivot(matrix: Array, found: Array) -> float:
+    """The inverse of the inverse matrix' first element, of the unknowns that are not held at 0."""
+    rest = matrix.copy()
+    for k in range(len(found) - 1, 0, -1):
+        if found[k] > 0.0:
+            for i in range(k):
+                factor = rest[i, k] / rest[k, k]
+                for j in range(k):
+                    rest[i, j] -= factor * rest[k, j]
+    return float(rest[0, 0])

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.inference.transport.irradiance import Incoming
-from reflest_core.inference.transport.patch_grid import PATCHES, patch_image, texels_of_patches
+from reflest_core.inference.transport.patch_grid import PATCHES, patch_image, patches_of_texels
+from reflest_core.jit import compiled, kernel_array
 from reflest_core.light.completion import RADIANCE, LightPyramid, halved_to, levels_below
 from reflest_core.light.cosine_weights import SIZE
 from reflest_core.light.light_map import ObservedLight
@@ -121,14 +122,27 @@ def diffuse_response(light: LightParts, incoming: Incoming) -> PatchResponse:
         light: the parts.
         incoming: from where light comes; what comes from the surface itself counts as seen.
     """
-    by_patch = incoming.weights[:, texels_of_patches(SIZE)]
-    unknown = _summed(by_patch, np.concatenate([light.fill, light.excess], axis=-1))
-    seen = incoming.weights @ light.seen + incoming.own
-    answers = [seen.T[..., None], unknown[:3], unknown[3:]]
-    return PatchResponse(np.concatenate(answers, axis=-1).astype(np.float32))
+    answers = np.zeros((3, len(incoming.weights), 1 + 2 * PATCHES), np.float32)
+    answers[..., 0] = (incoming.weights @ light.seen + incoming.own).T
+    for first, texels in ((1, light.fill), (1 + PATCHES, light.excess)):
+        held = np.flatnonzero(texels.any(axis=1))  # most hold nothing
+        columns = first + patches_of_texels(SIZE)[held]
+        _add(kernel_array(incoming.weights, np.float32), held, columns, texels[held], answers)
+    return PatchResponse(answers)
 
 
-def _summed(by_patch: NDArray[np.float32], texels: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(V, P, T) weights and (SIZE * SIZE, C) values to (C, V, P)."""
-    values = texels[texels_of_patches(SIZE)]
-    return np.asarray((by_patch.transpose(1, 0, 2) @ values).transpose(2, 1, 0), np.float32)
+@compiled
+def _add(
+    weights: NDArray[np.float32],
+    held: NDArray[np.int64],
+    columns: NDArray[np.int64],
+    values: NDArray[np.float32],
+    answers: NDArray[np.float32],
+) -> None:
+    """Add the ``values`` (N, 3) of N texels to the columns of their patches, for V voxels."""
+    for voxel in range(len(weights)):
+        for n in range(len(held)):
+            weight = weights[voxel, held[n]]
+            if weight > 0.0:
+                for channel in range(3):
+                    answers[channel, voxel, columns[n]] += weight * values[n, channel]
