@@ -175,15 +175,9 @@ class _System:
         found, factors, share = start, start / max(float(start[0]), 1e-3), 0.0
         for turn in range(turns):
             share = min(self.rho_s / max(float(found[0]), LEAST_ALBEDO), MOST_GLOSS)
-            unsure = np.float32(HIDDEN * self.rho_s) * (self.mirrored @ factors)
-            variance = self.noise**2 + unsure**2
-            if turn == 0 and not is_found:
-                weight = np.where(self.is_bound, np.float32(0.0), 1.0 / variance)
-            else:
-                error = self._error(share, found)
-                is_met = self.is_bound & (error >= 0.0)
-                weight = np.where(is_met, np.float32(0.0), 1.0 / (variance + error**2))
-            found, matrix = unknowns.most_likely(*self._equations(share, weight), found)
+            is_first = turn == 0 and not is_found
+            equations = self._equations(np.float32(share), found, factors, is_first)
+            found, matrix = unknowns.most_likely(*equations, found)
             factors[1:] = found[1:] / max(float(found[0]), 1e-3)
         error = (self._error(share, found) / self.noise)[~self.is_bound]
         misfit = RELATIVE * float(np.sqrt(np.log1p(error**2).mean()))
@@ -197,17 +191,23 @@ class _System:
         return np.asarray(diffuse + np.float32(share) * (self.mirrored @ found) - self.target)
 
     def _equations(
-        self, share: float, weight: NDArray[np.float32]
+        self,
+        share: np.float32,
+        found: NDArray[np.float64],
+        factors: NDArray[np.float64],
+        is_first: bool,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Normal matrix (U, U) and vector (U,), by voxels: their diffuse answers are all views'."""
+        light = np.stack([found, factors]).astype(np.float32)
         halves, pulls, of_mirrored, vector = _summed(
-            self.mirrored.starts,
-            self.mirrored.columns,
-            np.float32(share) * self.mirrored.values,
-            self.voxel_of,
-            self.target,
-            weight,
+            (self.mirrored.starts, self.mirrored.columns, self.mirrored.values),
+            (self.target, self.noise, self.is_bound, self.voxel_of),
             self.diffuse,
+            self.diffuse @ light[0],
+            light,
+            share,
+            np.float32(HIDDEN * self.rho_s),
+            is_first,
         )
         half = (self.diffuse.T @ halves).astype(np.float64)
         return half + half.T + of_mirrored, vector + (pulls @ self.diffuse)
@@ -250,34 +250,51 @@ def _times(
 
 @compiled
 def _summed(
-    starts: NDArray[np.int64],
-    columns: NDArray[np.int32],
-    values: NDArray[np.float32],
-    voxel_of: NDArray[np.int64],
-    target: NDArray[np.float32],
-    weight: NDArray[np.float32],
+    mirrored: tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float32]],
+    observed: tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], NDArray[np.int64]],
     diffuse: NDArray[np.float32],
+    shaded: NDArray[np.float32],
+    light: NDArray[np.float32],
+    share: np.float32,
+    hidden: np.float32,
+    is_first: bool,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float64], NDArray[np.float64]]:
-    """Sum weighted observations, whose answers are a voxel's ``diffuse`` and their own ``values``.
+    """Weigh observations and sum them; ``observed`` are targets, noises, bounds and voxels.
+
+    ``shaded`` (V,) is what voxels send by the unknowns as they were found, the first row of
+    ``light`` (2, U); the second is what patches hold. Bounds that are met, or are not known to be
+    missed, do not count, and what is far from what was found loses weight.
 
     Returns by voxel (V, U) half of its weighted diffuse answers, and all of its mirrored ones; (V,)
     its weighted targets; then the mirrored answers' products with one another (U, U) and with the
     targets (U,).
     """
+    starts, columns, values = mirrored
+    targets, noises, is_bound, voxel_of = observed
     halves, pulls = np.zeros(diffuse.shape, np.float32), np.zeros(len(diffuse), np.float32)
     masses = np.zeros(len(diffuse), np.float32)
-    unknowns = diffuse.shape[1]
+    unknowns, none = diffuse.shape[1], np.float32(0.0)
     matrix, vector = np.zeros((unknowns, unknowns)), np.zeros(unknowns)
-    for r in range(len(weight)):
-        voxel, pull = voxel_of[r], weight[r] * target[r]
-        masses[voxel] += weight[r]
+    for r in range(len(targets)):
+        voxel, shining, unsure = voxel_of[r], none, none
+        for entry in range(starts[r], starts[r + 1]):
+            shining += values[entry] * light[0, columns[entry]]
+            unsure += values[entry] * light[1, columns[entry]]
+        error = none if is_first else shaded[voxel] + share * shining - targets[r]
+        if is_bound[r] and error >= none:
+            continue
+        unsure *= hidden
+        weight = np.float32(1.0) / (noises[r] * noises[r] + unsure * unsure + error * error)
+        pull = weight * targets[r]
+        masses[voxel] += weight
         pulls[voxel] += pull
         for entry in range(starts[r], starts[r + 1]):
-            weighted = weight[r] * values[entry]
-            halves[voxel, columns[entry]] += weighted
-            vector[columns[entry]] += values[entry] * pull
+            value = share * values[entry]
+            halves[voxel, columns[entry]] += weight * value
+            vector[columns[entry]] += value * pull
             for other in range(starts[r], starts[r + 1]):
-                matrix[columns[entry], columns[other]] += weighted * values[other]
+                of_both = weight * value * share * values[other]
+                matrix[columns[entry], columns[other]] += of_both
     for voxel in range(len(diffuse)):
         half = np.float32(0.5) * masses[voxel]
         for n in range(unknowns):

@@ -194,16 +194,26 @@ class Unknowns:
         Returns:
             The unknowns (U,) and the normal matrix (U, U), prior included.
         """
-        matrix, vector = matrix.copy(), vector.copy()
         mean, width = self._expected
-        precision = 1.0 / (width * max(float(start[0]), DARKEST_ALBEDO)) ** 2
-        diagonal = np.arange(1, len(matrix))
-        matrix[diagonal, diagonal] += precision
-        matrix[0, 1:] -= precision * mean
-        matrix[1:, 0] -= precision * mean
-        matrix[0, 0] += (precision * mean**2).sum() + ALBEDO[1] ** -2
-        vector[0] += ALBEDO[0] * ALBEDO[1] ** -2
-        return nonnegative_minimum(matrix, vector, start), matrix
+        return _most_likely(matrix, vector, mean, width, start)
+
+
+@compiled
+def _most_likely(
+    matrix: Array, vector: Array, mean: Array, width: Array, start: Array
+) -> tuple[Array, Array]:
+    """Add the priors of the light, of ``mean`` and ``width`` (U - 1,), and of the albedo; solve."""
+    matrix, vector = matrix.copy(), vector.copy()
+    albedo = max(start[0], DARKEST_ALBEDO)
+    for n in range(len(mean)):
+        precision = 1.0 / (width[n] * albedo) ** 2
+        matrix[n + 1, n + 1] += precision
+        matrix[0, n + 1] -= precision * mean[n]
+        matrix[n + 1, 0] -= precision * mean[n]
+        matrix[0, 0] += precision * mean[n] ** 2
+    matrix[0, 0] += ALBEDO[1] ** -2
+    vector[0] += ALBEDO[0] * ALBEDO[1] ** -2
+    return nonnegative_minimum(matrix, vector, start), matrix
 
 
 def normal_equations(
