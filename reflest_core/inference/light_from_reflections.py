@@ -146,7 +146,7 @@ class _System:
                 RELATIVE * colours + LEAST,
                 np.float32(COARSE * rho_s) * reflects_seen,
             ),
-            sample.clipped[:, channel],
+            kernel_array(sample.clipped[:, channel], np.bool_),
             np.take(diffuse, np.flatnonzero(matters), axis=1),
             _Mirrored(starts, place[columns], np.where(matters[columns], values, np.float32(0.0))),
         )
@@ -200,8 +200,13 @@ class _System:
         """Normal matrix (U, U) and vector (U,), by voxels: their diffuse answers are all views'."""
         light = np.stack([found, factors]).astype(np.float32)
         halves, pulls, of_mirrored, vector = _summed(
-            (self.mirrored.starts, self.mirrored.columns, self.mirrored.values),
-            (self.target, self.noise, self.is_bound, self.voxel_of),
+            self.mirrored.starts,
+            self.mirrored.columns,
+            self.mirrored.values,
+            self.target,
+            self.noise,
+            self.is_bound,
+            self.voxel_of,
             self.diffuse,
             self.diffuse @ light[0],
             light,
@@ -250,8 +255,13 @@ def _times(
 
 @compiled
 def _summed(
-    mirrored: tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float32]],
-    observed: tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], NDArray[np.int64]],
+    starts: NDArray[np.int64],
+    columns: NDArray[np.int32],
+    values: NDArray[np.float32],
+    targets: NDArray[np.float32],
+    noises: NDArray[np.float32],
+    is_bound: NDArray[np.bool_],
+    voxel_of: NDArray[np.int64],
     diffuse: NDArray[np.float32],
     shaded: NDArray[np.float32],
     light: NDArray[np.float32],
@@ -259,7 +269,7 @@ def _summed(
     hidden: np.float32,
     is_first: bool,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float64], NDArray[np.float64]]:
-    """Weigh observations and sum them; ``observed`` are targets, noises, bounds and voxels.
+    """Weigh observations and sum them; the arguments are those of :class:`_System`.
 
     ``shaded`` (V,) is what voxels send by the unknowns as they were found, the first row of
     ``light`` (2, U); the second is what patches hold. Bounds that are met, or are not known to be
@@ -269,8 +279,6 @@ def _summed(
     its weighted targets; then the mirrored answers' products with one another (U, U) and with the
     targets (U,).
     """
-    starts, columns, values = mirrored
-    targets, noises, is_bound, voxel_of = observed
     halves, pulls = np.zeros(diffuse.shape, np.float32), np.zeros(len(diffuse), np.float32)
     masses = np.zeros(len(diffuse), np.float32)
     unknowns, none = diffuse.shape[1], np.float32(0.0)

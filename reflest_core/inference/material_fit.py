@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.jit import compiled
+from reflest_core.jit import fused
 
 ROUNDS = 4
 """Of reweighting."""
@@ -76,7 +76,7 @@ def likelihood(misfit: NDArray[np.float32], sharpness: float) -> NDArray[np.floa
     return np.asarray(likely / likely.sum(), np.float32)
 
 
-@compiled
+@fused
 def _fit(
     apparent: NDArray[np.float32], lobe: NDArray[np.float32], weight: NDArray[np.float32]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:

@@ -7,14 +7,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.jit import compiled
+from reflest_core.jit import fused
 
 SWEEPS = 200
 TOLERANCE = 1e-4
 """A sweep that moves no unknown by more than this share of the largest one is the last."""
 
 
-@compiled
+@fused
 def nonnegative_minimum(
     matrix: NDArray[np.float64], vector: NDArray[np.float64], start: NDArray[np.float64]
 ) -> NDArray[np.float64]:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.inference.nonnegative import nonnegative_minimum
-from reflest_core.jit import compiled, vectorised
+from reflest_core.jit import compiled, fused
 
 ROUNDS = 6
 RELATIVE, LEAST = 0.04, 0.005
@@ -151,7 +151,7 @@ def _known(
     return known
 
 
-@vectorised
+@fused
 def _add_observation(
     known: Array32, is_first: bool, unknowns: Array32, diffuse: Array32, moments: Array32
 ) -> None:
@@ -188,7 +188,7 @@ def _add_observation(
         moments[13 * LANES + n] += of_z * colour
 
 
-@vectorised
+@fused
 def _add_voxel(moments: Array32, sums: Array32, equations: Array) -> None:
     """Add a voxel to the normal equations, each answer taken from its mean in voxel and channel.
 
@@ -232,7 +232,7 @@ def _sum_of_channels(rows: Array, row: int, k: int) -> float:
     return total
 
 
-@vectorised
+@fused
 def _update_diffuse(sums: Array32, unknowns: Array32, diffuse: Array32) -> None:
     """What a voxel sends in each channel beside its reflections, where something counts."""
     for n in range(LANES):

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from reflest_core.brdf import srgb
 from reflest_core.inference.gloss.colour_noise import HIGHLIGHT_ERROR, colour_variances
 from reflest_core.inference.gloss.lobes import EXCESS
-from reflest_core.jit import compiled, vectorised
+from reflest_core.jit import compiled, fused
 
 FREEDOM = 4.0
 """Degrees of freedom of the errors."""
@@ -92,6 +92,7 @@ def fit_gloss(
     Returns:
         The fits.
     """
+    has_excess = float(lobes[..., EXCESS:].max(initial=0.0)) > LEAST_CLIPPED
     laid_out = _lay_out(
         srgb.LINEAR[colours],
         colours == 255,
@@ -99,6 +100,7 @@ def fit_gloss(
         trust,
         offsets,
         lobes,
+        has_excess,
     )
     observed, grids = laid_out[:4], laid_out[4:]
     weights = observed[3]
@@ -106,9 +108,9 @@ def fit_gloss(
     diffuse, matte = np.zeros((roughnesses, 3, voxels)), np.zeros((3, voxels))
     # Their logarithms all at once, by vector instructions.
     densities = np.ones((roughnesses + 1, *weights.shape))
-    flat = (0.0, 0.0)
-    fit_at_roughness(*observed, grids[0][0], grids[1][0], flat, ROUNDS, True, matte, densities[-1])
-    has_excess = float(lobes[..., EXCESS:].max(initial=0.0)) > LEAST_CLIPPED
+    fit_at_roughness(
+        *observed, grids[0][0], grids[1][0], 0.0, 0.0, ROUNDS, True, matte, densities[-1]
+    )
     least = LEAST_EXCESS if has_excess else 0.0
     start, rounds = (FIRST_GLOSS, math.expm1(EXCESS_MEAN) if has_excess else 0.0), ROUNDS
     found = np.zeros((roughnesses, 2))
@@ -116,7 +118,7 @@ def fit_gloss(
         if k > 0:
             diffuse[k] = diffuse[k - 1]
         found[k] = fit_at_roughness(
-            *observed, grids[0][k], grids[1][k], start, rounds, k == 0, diffuse[k], densities[k]
+            *observed, grids[0][k], grids[1][k], *start, rounds, k == 0, diffuse[k], densities[k]
         )
         start, rounds = (found[k, 0], max(found[k, 1], least)), FURTHER_ROUNDS
     of_voxels = (weights * np.log(densities)).sum(axis=1)
@@ -142,11 +144,12 @@ def _lay_out(
     trust: Array,
     offsets: NDArray[np.int64],
     lobes: Array32,
+    has_excess: bool,
 ) -> tuple[Array32, NDArray[np.bool_], Array32, Array, Array32, Array32]:
     """Lay observations out as slots of V voxels, whose vector instructions then run over voxels.
 
     Returns colours, channels at 255 and variances (3, S, V); trust (S, V), 0 where a voxel has
-    fewer observations; lobes and clipped lobes (K, 3, S, V).
+    fewer observations; lobes and clipped lobes (K, 3, S, V), which are 0 without an excess.
     """
     voxels, slots = len(offsets) - 1, 0
     for v in range(voxels):
@@ -164,7 +167,8 @@ def _lay_out(
                 bounds[c, slot, v] = is_clipped[o, c]
                 for k in range(len(lobes)):
                     light[k, c, slot, v] = lobes[k, o, c]
-                    clipped[k, c, slot, v] = lobes[k, o, EXCESS + c]
+                    if has_excess:
+                        clipped[k, c, slot, v] = lobes[k, o, EXCESS + c]
     return grid, bounds, noise, weights, light, clipped
 
 
@@ -176,7 +180,8 @@ def fit_at_roughness(
     trust: Array,
     lobes: Array32,
     clipped_lobes: Array32,
-    start: tuple[float, float],
+    gloss: float,
+    excess: float,
     rounds: int,
     is_new: bool,
     diffuse: Array,
@@ -191,7 +196,8 @@ def fit_at_roughness(
         trust: (S, V) weight of each observation, the same for all roughnesses; 0 in empty slots.
         lobes: (3, S, V) radiance that is reflected at ``rho_s = 1``.
         clipped_lobes: (3, S, V) what clipped light adds to it for each unit above white.
-        start: ``rho_s`` and excess to begin with; 0 stays 0.
+        gloss: ``rho_s`` to begin with; 0 stays 0.
+        excess: The same of the excess.
         rounds: Of reweighting.
         is_new: Whether the diffuse radiances are not known yet.
         diffuse: (3, V) diffuse radiances to begin with; takes those found.
@@ -200,7 +206,6 @@ def fit_at_roughness(
     Returns:
         ``rho_s`` and the excess.
     """
-    gloss, excess = start
     is_matte, has_excess = gloss == 0.0, excess > 0.0
     _, slots, voxels = colours.shape
     sums, weights = np.zeros((3, _MOMENTS, voxels)), np.zeros(voxels)
@@ -240,7 +245,7 @@ def fit_at_roughness(
     return gloss, excess
 
 
-@vectorised
+@fused
 def _add_slot(
     of_slot: Slot,
     lobes: Array32,
@@ -270,7 +275,7 @@ def _add_slot(
         sums[_AY, v] += weight * lobe * rest
 
 
-@vectorised
+@fused
 def _add_excess(
     colours: Array32,
     lobes: Array32,
@@ -354,7 +359,7 @@ def _stepped(
     return min(max(gloss + step, 0.1 * gloss, LEAST_GLOSS), 1.0), moved
 
 
-@vectorised
+@fused
 def _multiply_densities(
     of_slot: Slot,
     lobes: Array32,

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.inference.transport.mirrored_texels import fill_axes, texels_of_lobes
-from reflest_core.jit import compiled, kernel_array, vectorised
+from reflest_core.jit import fused, kernel_array, vectorised
 from reflest_core.light.completion import LightPyramid, halved
 
 LEVELS = 4
@@ -82,7 +82,7 @@ def stratified_slopes(rings: int = RINGS, sectors: int = SECTORS) -> NDArray[np.
     return np.stack([slope * np.cos(turn), slope * np.sin(turn)])
 
 
-@compiled
+@fused
 def _gather(
     lights: NDArray[np.float32],
     offsets: NDArray[np.int64],

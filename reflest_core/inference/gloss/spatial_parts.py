@@ -20,13 +20,23 @@ def spatial_parts(positions: NDArray[np.float32]) -> NDArray[np.int64]:
     Returns:
         (V,) the part of each voxel, 0 to :data:`PARTS` - 1.
     """
-    parts = np.zeros(len(positions), np.int64)
+    groups = [np.arange(len(positions))]
     for _ in range(HALVINGS):
-        halves = 2 * parts
-        for part in np.unique(parts):
-            inside = np.flatnonzero(parts == part)
-            extents = np.ptp(positions[inside], axis=0)
-            order = np.argsort(positions[inside, extents.argmax()], kind="stable")
-            halves[inside[order[len(inside) // 2 :]]] += 1
-        parts = halves
+        groups = [half for group in groups for half in _halves(positions, group)]
+    parts = np.zeros(len(positions), np.int64)
+    for part, group in enumerate(groups):
+        parts[group] = part
     return parts
+
+
+def _halves(
+    positions: NDArray[np.float32], group: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The two halves of voxels with rising indices."""
+    inside = positions[group]
+    if len(group) == 0:
+        return group, group
+    longest = (inside.max(axis=0) - inside.min(axis=0)).argmax()
+    order = np.argsort(inside[:, longest], kind="stable")
+    middle = len(group) // 2
+    return group[np.sort(order[:middle])], group[np.sort(order[middle:])]

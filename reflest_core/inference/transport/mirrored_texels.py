@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.jit import compiled, vectorised
+from reflest_core.jit import compiled, fused, vectorised
 from reflest_core.surface.tangent_frame import tangent_frame
 
 Vector = tuple[float, float, float]
@@ -88,7 +88,7 @@ def fill_axes(normal: NDArray[np.float32], axes: NDArray[np.float32]) -> None:
     axes[2] = normal
 
 
-@vectorised
+@fused
 def texels_of_lobes(
     axes: NDArray[np.float32],
     towards_camera: NDArray[np.float32],

@@ -15,7 +15,7 @@ from reflest_core.inference.transport.mirrored_texels import fill_axes, texels_o
 from reflest_core.inference.transport.patch_grid import PATCHES, patches_of_texels
 from reflest_core.inference.transport.visibility import Sight
 from reflest_core.inference.transport.ward_lobe import HALF_VECTORS, LEVELS
-from reflest_core.jit import compiled, kernel_array
+from reflest_core.jit import fused, kernel_array
 from reflest_core.light.completion import CLIPPED, SEEN, LightPyramid, halved_to
 
 
@@ -105,7 +105,7 @@ def scene_reflection(
     return PatchResponse(answers)
 
 
-@compiled
+@fused
 def _gather(
     light: NDArray[np.float32],
     beyond_white: NDArray[np.float32],

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from reflest_core.inference.transport.mirrored_texels import fill_axes, texels_of_lobes
 from reflest_core.inference.transport.patch_grid import patches_of_texels
 from reflest_core.inference.transport.visibility import Sight
-from reflest_core.jit import compiled, kernel_array
+from reflest_core.jit import fused, kernel_array
 from reflest_core.light.completion import LightPyramid
 
 ROUGHNESSES = (0.01, 0.03, 0.06, 0.09, 0.12, 0.15, 0.18, 0.21)
@@ -146,7 +146,7 @@ def _gathered(
     )
 
 
-@compiled
+@fused
 def _gather(
     lights: NDArray[np.float32],
     patch_of: NDArray[np.uint8],
@@ -195,7 +195,7 @@ def _gather(
     return gathered
 
 
-@compiled
+@fused
 def _gather_coloured(
     lights: NDArray[np.float32],
     patch_of: NDArray[np.uint8],
