@@ -103,15 +103,15 @@ def _of_light(light: InferredLight) -> Array:
 
 def _of_ratios(by_fill: Array, by_whole: Array) -> Array:
     """(3, 6): logarithms of colour over light, before and after completion, over the surface."""
-    quantiles = [np.quantile(ratios, _QUANTILES, axis=0) for ratios in (by_fill, by_whole)]
-    return np.concatenate(quantiles).T
+    quantiles = [_quantiles(ratios, _QUANTILES) for ratios in (by_fill, by_whole)]
+    return np.asarray(np.concatenate(quantiles).T, np.float32)
 
 
 def _of_strengths(colours: Array, filled: Array, whole: Array) -> Array:
     """(3, 8): how bright the surface is, and its light before and after completion."""
     return np.stack(
         [
-            *np.quantile(np.log(colours + LEAST), _QUANTILES, axis=0),
+            *_quantiles(np.log(colours + LEAST), _QUANTILES),
             _log(whole / filled).mean(axis=0),
             _log(whole / filled).std(axis=0),
             np.log(filled + LEAST).mean(axis=0),
@@ -134,8 +134,8 @@ def _of_views(found: Explanation) -> Array:
     highest = grid.max(axis=1) / (mean + LEAST)
     return np.stack(
         [
-            *np.quantile(spread, (0.5, 0.9), axis=0),
-            *_log(np.quantile(highest, (0.5, 0.95), axis=0)),
+            *_quantiles(spread, (0.5, 0.9)),
+            *_log(_quantiles(highest, (0.5, 0.95))),
             sample.clipped.mean(axis=0),
         ],
         axis=1,
@@ -215,6 +215,17 @@ def _of_scan(surface: ObservedSurface, found: Explanation) -> Array:
         ],
         np.float32,
     )
+
+
+def _quantiles(values: Array, shares: tuple[float, ...]) -> NDArray[np.float64]:
+    """(Q, C) of each column of (N, C), as ``np.quantile`` gives them, in a third of its time."""
+    ordered = np.sort(values, axis=0)
+    places = np.array(shares) * (len(values) - 1)
+    below = places.astype(np.int64)
+    share = (places - below)[:, None]
+    low, high = ordered[below], ordered[np.minimum(below + 1, len(values) - 1)]
+    step = high - low
+    return np.asarray(np.where(share < 0.5, low + step * share, high - step * (1.0 - share)))
 
 
 def _log(ratio: NDArray[np.floating]) -> Array:
