@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 LEAST = 0.25
-"""Share of the evidence that is always used: an estimate then takes about 0.6 of the usual time."""
+"""Share of the evidence that is always used: an estimate then takes about 0.8 of the usual time."""
 SPARE = 0.8
 """Share of the budget below which more evidence is used again."""
 GROWTH = 1.25
