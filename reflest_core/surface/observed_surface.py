@@ -117,9 +117,9 @@ class ObservedSurface:
             (R, 3) unit vectors from voxel to camera centre; the normal where the two coincide.
         """
         return _directions(
-            self.positions,
-            self.normals,
-            self.view_centres,
+            kernel_array(self.positions, np.float32),
+            kernel_array(self.normals, np.float32),
+            kernel_array(self.view_centres, np.float32),
             kernel_array(self.view_indices[rows], np.uint16),
             kernel_array(voxels, np.int64),
         )
