@@ -197,7 +197,8 @@ def pipeline():
 
 def fuzzed(examples):
     return settings(
-        max_examples=examples, suppress_health_check=[HealthCheck.function_scoped_fixture]
+        max_examples=examples,
+        suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
     )
 
 

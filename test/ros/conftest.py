@@ -14,7 +14,9 @@ from own_process import ROOT, OwnProcess, participants
 from ros_peer import RosPeer
 from sphere_messages import write_sphere_bag
 
-COMPILE_TIME = 200.0
+from test.waiting import wait_until
+
+COMPILE_TIME = 600.0
 """Seconds in which the first start after installation is over, on a slow machine."""
 
 SETTINGS = """\
@@ -58,7 +60,7 @@ def domain_id() -> Iterator[int]:
     """
     with domain_coordinator.domain_id() as number:
         yield int(number)
-    assert not participants(), "a node of this module is left"
+    wait_until(lambda: not participants(), "a node of this module is left")
 
 
 @pytest.fixture(scope="module")

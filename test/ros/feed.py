@@ -20,8 +20,8 @@ from sphere_messages import (
 )
 from sphere_scene import PERIOD_NS, View, views
 
-SOON = 5.0
-"""Seconds within which the node must have named a cause."""
+SOON = 60.0
+"""Seconds within which a node on the slowest machine has named a cause."""
 
 
 class Feed:

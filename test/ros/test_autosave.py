@@ -39,7 +39,7 @@ def started(start, settings_file, domain_id):
             "-p",
             "autosave.period:=0.1",
         )
-        node.wait_for_line("listening to", 200.0)
+        node.wait_for_line("listening to", 600.0)
         nodes.append(node)
         peers.append(RosPeer(domain_id))
         return node, peers[-1]
@@ -119,7 +119,7 @@ def test_what_is_no_scan_is_refused_and_stays(start, settings_file, tmp_path, ki
     before = path.stat()
     arguments = ("--params-file", settings_file, "-p", f"autosave.path:={path}")
     node = start("reflest_ros.estimator", "--ros-args", *arguments)
-    assert node.exit_code(200.0) == 2, node.output
+    assert node.exit_code(600.0) == 2, node.output
     assert str(path) in node.output
     assert "Traceback" not in node.output
     after = path.stat()
@@ -135,7 +135,7 @@ def test_two_nodes_do_not_share_a_file(started, start, settings_file, tmp_path):
     started(path)
     arguments = ("--params-file", settings_file, "-p", f"autosave.path:={path}")
     second = start("reflest_ros.estimator", "--ros-args", *arguments, "-r", "__node:=second")
-    assert second.exit_code(200.0) == 2, second.output
+    assert second.exit_code(600.0) == 2, second.output
     assert "used by another node" in second.output
 
 

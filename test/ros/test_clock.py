@@ -44,7 +44,7 @@ def jumping(start, settings_file, resets):
         "-p",
         f"input.reset_on_clock_jump:={str(resets).lower()}",
     )
-    node.wait_for_line("listening to", 200.0)
+    node.wait_for_line("listening to", 600.0)
     yield node
     node.interrupt()
     assert node.exit_code() == 0, node.output

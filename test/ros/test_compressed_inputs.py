@@ -40,7 +40,7 @@ def node(start, settings_file):
         "-p",
         "capture.pose_source:=odom",
     )
-    process.wait_for_line("listening to", 200.0)
+    process.wait_for_line("listening to", 600.0)
     return process
 
 

@@ -44,7 +44,7 @@ def run_demo(*arguments):
         cwd=ROOT,
         capture_output=True,
         text=True,
-        timeout=280,
+        timeout=1100,
     )
 
 

@@ -32,7 +32,7 @@ def scanning(start, settings_file):
         "-p",
         "input.silence:=1.0",
     )
-    node.wait_for_line("listening to", 200.0)
+    node.wait_for_line("listening to", 600.0)
     return node
 
 

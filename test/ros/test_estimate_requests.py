@@ -25,6 +25,10 @@ from reflest_ros.workers.fusion_worker import FusionWorker
 
 OLD, NEW = made_estimate(), made_estimate()
 CLIENTS, MOST_WAITING = 10, 3
+LATE = 60.0
+"""Seconds that a machine which does much else may add."""
+HELD = 300.0
+"""Seconds after which an estimate that nobody lets end gives up."""
 
 
 class Output:
@@ -54,7 +58,7 @@ def node():
     may_end, output = threading.Event(), Output()
 
     def estimate(_):
-        assert may_end.wait(60)
+        assert may_end.wait(HELD)
         return NEW
 
     estimation = EstimationWorker(estimate, output, crash)
@@ -89,7 +93,7 @@ def test_while_images_keep_coming_the_newest_estimate_is_the_answer(node, images
     node.output.latest = OLD
     started = time.monotonic()
     answer = node.requests.now()
-    assert time.monotonic() - started < PATIENCE + 5.0
+    assert time.monotonic() - started < PATIENCE + LATE
     assert answer.estimate is OLD
     assert "newest estimate so far" in answer.note
 
@@ -100,8 +104,8 @@ def test_ten_clients_at_once_are_answered_by_four_threads(node):
     with ThreadPoolExecutor(MOST_WAITING + 1) as pool:
         started = time.monotonic()
         answers = [pool.submit(node.requests.now) for _ in range(CLIENTS)]
-        early = list(itertools.islice(as_completed(answers, 60), CLIENTS - 1))
-        assert time.monotonic() - started < PATIENCE + 5.0
+        early = list(itertools.islice(as_completed(answers, HELD), CLIENTS - 1))
+        assert time.monotonic() - started < PATIENCE + LATE
         assert all(answer.result().estimate is OLD for answer in early)
         node.may_end.set()
 

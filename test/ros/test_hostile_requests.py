@@ -8,6 +8,7 @@ import os
 import time
 
 import pytest
+from feed import SOON
 from geometry_msgs.msg import Point, Vector3
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
@@ -76,7 +77,7 @@ def test_a_fifo_in_the_root_is_refused_at_once(peer, tmp_path):
     asked = time.monotonic()
     assert not peer.call(LoadScan, "load", path=str(tmp_path / "fifo")).success
     assert not peer.call(SaveScan, "save", path=str(tmp_path / "fifo")).success
-    assert time.monotonic() - asked < 10.0
+    assert time.monotonic() - asked < SOON
 
 
 def test_a_link_out_of_the_root_is_not_written(peer, tmp_path, tmp_path_factory):
@@ -195,4 +196,4 @@ def test_services_answer_while_many_are_called(peer):
     asked = time.monotonic()
     for _ in range(5):
         assert peer.call(GetState, "get_state").current_state.label == "active"
-    assert time.monotonic() - asked < 5.0
+    assert time.monotonic() - asked < SOON

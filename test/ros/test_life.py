@@ -17,7 +17,7 @@ from reflest_ros.srv import Estimate
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_in_mid_scan_ends_the_node_cleanly(start, settings_file, sphere_bag, number):
     node = start("reflest_ros.estimator", "--ros-args", "--params-file", settings_file)
-    node.wait_for_line("listening to", 200.0)
+    node.wait_for_line("listening to", 600.0)
     player = start("reflest_ros.bag_player", sphere_bag, "--rate", "0.5")
     node.wait_for_line("first estimate")
     node.interrupt(number)
@@ -32,7 +32,7 @@ def test_a_signal_while_the_node_starts_ends_it_cleanly(start):
     node = start("reflest_ros.estimator")
     node.wait_for_line("starting")
     node.interrupt()
-    assert node.exit_code(200.0) == 0, node.output
+    assert node.exit_code(600.0) == 0, node.output
     assert "Traceback" not in node.output
 
 
@@ -54,7 +54,7 @@ def test_a_missing_topic_is_named_in_one_warning(start, peer, settings_file, tmp
         "-p",
         "input.silence:=0.5",
     )
-    node.wait_for_line("listening to", 200.0)
+    node.wait_for_line("listening to", 600.0)
     player = start("reflest_ros.bag_player", bag)
     assert player.exit_code() == 0, player.output
     warning = node.wait_for_line("no message for 0.5 s")
@@ -76,7 +76,7 @@ def test_base_file_namespace_and_remapping_name_the_topics(start):
         "-r",
         "__ns:=/robot1",
     )
-    line = node.wait_for_line("listening to", 200.0)
+    line = node.wait_for_line("listening to", 600.0)
     assert "/left/image" in line
     assert f"/robot1{POSE}" in line
     assert "/robot1/reflectance/brdf" in line

@@ -39,7 +39,7 @@ def test_every_transition(start, peer, settings_file):
         "-p",
         "estimation.weights:=/no/such/weights",
     )
-    node.wait_for_line("waiting to be configured", 200.0)
+    node.wait_for_line("waiting to be configured", 600.0)
     assert state(peer) == State.PRIMARY_STATE_UNCONFIGURED
     peer.wait_until(lambda: peer.state == "not configured", "it does not say so")
 

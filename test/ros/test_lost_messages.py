@@ -24,7 +24,7 @@ def test_images_that_are_lost_on_the_way_are_counted(start, settings_file, peer)
         "input.reliability:=best_effort",
         FASTRTPS_DEFAULT_PROFILES_FILE="",
     )
-    node.wait_for_line("listening to", 200.0)
+    node.wait_for_line("listening to", 600.0)
     qos = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
     output = peer.offer(Image, RGB, qos)
     peer.wait_until(lambda: output.get_subscription_count() > 0, "no subscriber")

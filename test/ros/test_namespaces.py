@@ -31,7 +31,7 @@ def robots(start, settings_file, domain_id):
     ]
     peers = [RosPeer(domain_id, namespace) for namespace in NAMESPACES]
     for node in nodes:
-        node.wait_for_line("listening to", 200.0)
+        node.wait_for_line("listening to", 600.0)
     yield nodes, peers
     for peer in peers:
         peer.close()

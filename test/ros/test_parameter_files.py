@@ -33,7 +33,7 @@ def with_rclpy(path, namespace, name):
         [sys.executable, "-c", WITH_RCLPY, str(path), namespace, name],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=600,
         check=True,
     )
     return eval(done.stdout, {"inf": math.inf, "array": lambda _, values: values})

@@ -17,7 +17,7 @@ from reflest_ros import threads
 from reflest_ros.services.service_pool import ServicePool
 from reflest_ros.threads import Spinning
 
-SOON = 20.0
+SOON = 120.0
 
 
 @pytest.fixture
@@ -113,7 +113,7 @@ def test_a_service_that_was_withdrawn_is_gone(owner):
     assert "/robot/scanner/mine" not in offered
 
 
-@pytest.mark.timeout(60)
+@pytest.mark.timeout(300)
 @pytest.mark.parametrize("kind", [MultiThreadedExecutor, EventsExecutor])
 def test_a_thread_that_waits_for_callbacks_ends_at_once(context, kind, monkeypatch):
     monkeypatch.setattr(threads, "LONGEST_WAIT", 600.0)

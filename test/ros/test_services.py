@@ -14,6 +14,7 @@ import threading
 import pytest
 from geometry_msgs.msg import Point, Vector3
 from rcl_interfaces.msg import ParameterType, ParameterValue
+from ros_peer import WAIT
 from sphere_messages import RGB, messages_of
 from sphere_scene import CENTRE, PERIOD_NS, views
 from std_srvs.srv import Trigger
@@ -216,7 +217,7 @@ def test_every_service_while_frames_come(peer, send, tmp_path):
         # An estimate may find an empty scan; nothing else can fail.
         assert response.success or name in ("estimate", "export"), response.message
     assert peer.call(Trigger, "resume").success
-    feeding.join(60)
+    feeding.join(WAIT)
     assert not feeding.is_alive()
     peer.wait_until(lambda: peer.diagnostics["queue"] == "0", "the queue does not empty")
     fused = peer.count("frames fused")

@@ -35,7 +35,7 @@ def test_ten_minutes_of_a_looping_bag(start, peer, settings_file):
         "-p",
         f"capture.max_wait:={MAX_WAIT}",
     )
-    node.wait_for_line("listening to", 200.0)
+    node.wait_for_line("listening to", 600.0)
     before = node.resident_mb
     one_pass = [
         dataclasses.replace(view, stamp_ns=FIRST_STAMP_NS + number * STEP_NS)

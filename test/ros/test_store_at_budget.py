@@ -23,7 +23,7 @@ def node(start, settings_file):
         "-p",
         "region.shape:=none",
     )
-    process.wait_for_line("listening to", 200.0)
+    process.wait_for_line("listening to", 600.0)
     return process
 
 

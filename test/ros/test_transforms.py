@@ -95,7 +95,7 @@ def started(start, settings_file, tf2, *arguments):
     node = start(
         "reflest_ros.estimator", "--ros-args", "--params-file", settings_file, *arguments, **tf2
     )
-    node.wait_for_line("listening to", 200.0)
+    node.wait_for_line("listening to", 600.0)
     return node
 
 
@@ -135,6 +135,6 @@ def test_depth_is_registered_with_what_tf_static_says(start, settings_file, peer
 )
 def test_without_tf2_msgs_a_node_that_needs_it_says_so(start):
     node = start("reflest_ros.estimator", "--ros-args", *BY_TF)
-    assert node.exit_code(200.0) == 2
+    assert node.exit_code(600.0) == 2
     assert "the package tf2_msgs is not installed" in node.output
     assert "Traceback" not in node.output

@@ -42,7 +42,7 @@ def spin_until(node):
     executor.add_node(node)
 
     def spin(is_true):
-        for _ in range(300):
+        for _ in range(1200):
             if is_true():
                 return
             executor.spin_once(timeout_sec=0.1)

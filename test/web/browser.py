@@ -15,6 +15,8 @@ import cv2
 import numpy as np
 import pytest
 
+from test.waiting import wait_until
+
 WEB = Path(__file__).parent
 MODULES = WEB / "node_modules"
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -27,6 +29,10 @@ SOFTWARE = (
     "--force-color-profile=srgb",
 )
 """Options that draw WebGL without a graphics card, the same everywhere."""
+LONGEST_DRAWING = 300.0
+"""Seconds after which something is broken."""
+STEP = 0.5
+"""Seconds between two pictures, longer than the page takes for one of an idle machine."""
 
 
 def needs_node():
@@ -77,7 +83,7 @@ def shown(page, folder, picture, **query):
             ],
             check=True,
             capture_output=True,
-            timeout=120,
+            timeout=600,
         )
         server.shutdown()
     found = cv2.imread(str(picture))
@@ -112,7 +118,19 @@ def opened(url, width=1280, height=800):
             browser.close()
 
 
-def screenshot(page):
-    """(H, W, 3) 8-bit sRGB."""
+def still(page, is_wanted):
+    """The (H, W, 3) sRGB middle of the page, values 0 to 255, once it is wanted and rests."""
+    seen = [np.zeros(())]
+
+    def rests():
+        seen.append(_middle(page))
+        return is_wanted(seen[-1]) and np.abs(seen[-1] - seen[-2]).mean() < 0.1
+
+    wait_until(rests, "the page does not come to rest with what is wanted", LONGEST_DRAWING, STEP)
+    return seen[-1]
+
+
+def _middle(page):
     content = np.frombuffer(page.screenshot(), np.uint8)
-    return cv2.imdecode(content, cv2.IMREAD_COLOR)[..., ::-1]
+    picture = cv2.imdecode(content, cv2.IMREAD_COLOR)[..., ::-1]
+    return picture[150:, 330:950].astype(float)

@@ -25,11 +25,11 @@ import pytest
 from pxr import Usd
 
 from test.core.export.complaints import complaints
-from test.web.browser import MODULES, WEB, opened, screenshot, shown
+from test.web.browser import MODULES, WEB, opened, shown, still
 
 ROOT = Path(__file__).parents[2]
 CAPTURE = ROOT / "captures" / "glossy-red"
-PATIENCE = 90_000
+PATIENCE = 300_000
 """Milliseconds for the browser."""
 ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
 
@@ -42,12 +42,12 @@ def reflest(tmp_path_factory):
         ROOT / "reflest_core", folder / "source", ignore=shutil.ignore_patterns("__pycache__")
     )
     build = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "-q"]
-    subprocess.run([*build, "-w", folder, sources], check=True, timeout=300)
+    subprocess.run([*build, "-w", folder, sources], check=True, timeout=600)
     (wheel,) = folder.glob("*.whl")
     venv.create(folder / "env", with_pip=False)
     python = folder / "env" / "bin" / "python"
     install = [sys.executable, "-m", "pip", "--python", python, "install", "--no-deps", "-q"]
-    subprocess.run([*install, wheel], check=True, timeout=300)
+    subprocess.run([*install, wheel], check=True, timeout=600)
     asked = "import sysconfig; print(sysconfig.get_path('purelib'))"
     libraries = Path(subprocess.check_output([python, "-c", asked], text=True).strip())
     (libraries / "of_the_tests.pth").write_text(
@@ -76,7 +76,7 @@ def run(reflest, *words):
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        timeout=300,
+        timeout=600,
     )
     assert done.returncode == 0, done.stdout
     return done.stdout
@@ -106,7 +106,7 @@ def in_a_terminal(reflest, *words):
             break
         printed += read
     os.close(ours)
-    assert process.wait(60) == 0
+    assert process.wait(600) == 0
     return printed.decode()
 
 
@@ -123,7 +123,7 @@ def test_the_whole_way_from_the_wheel_to_the_report(reflest):
     # Replay: a bar with the rate and the time that remains, then the material.
     outputs = ("--json", "out.json", "--save-scan", "scan.npz", "--report", "report.html")
     printed = in_a_terminal(reflest, "replay", CAPTURE, *outputs)
-    assert re.search(r"\d+/60 \[00:\d\d<00:\d\d, +[\d.]+frame/s\]", printed)
+    assert re.search(r"\d+/60 \[\d\d:\d\d<\d\d:\d\d, +[\d.]+(frame/s|s/frame)\]", printed)
     record = json.loads((work / "out.json").read_text())
     assert f"rho_s  {record['final']['rho_s']:.4f}" in printed
 
@@ -135,7 +135,7 @@ def test_the_whole_way_from_the_wheel_to_the_report(reflest):
     assert complaints(Usd.Stage.Open(str(work / "blob.usda"))) == []
     if MODULES.is_dir() and shutil.which("node"):
         validate = ["node", WEB / "validate_gltf.js", work / "blob.glb"]
-        report = json.loads(subprocess.check_output(validate, timeout=120))
+        report = json.loads(subprocess.check_output(validate, timeout=600))
         assert report["numErrors"] == report["numWarnings"] == 0
         for file in ("blob.glb", "blob.usda"):
             assert (rendered(work, file).max(axis=2) > 0.05).mean() > 0.1
@@ -161,22 +161,21 @@ def look_and_click(reflest):
         # A shell's background jobs, as these tests may be, ignore Ctrl-C.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
+    killer = threading.Timer(900.0, view.kill)
     try:
-        threading.Timer(90.0, view.kill).start()
+        killer.start()
         address = re.search(r"open (http://\S+)", view.stdout.readline())[1]
         with opened(address) as (tab, problems):
             tab.get_by_text("voxels").first.wait_for(timeout=PATIENCE)
-            for _ in range(60):
-                if is_red(screenshot(tab)[150:, 330:950] / 255):
-                    break
-                tab.wait_for_timeout(500)
+            still(tab, is_red)
             tab.mouse.click(640, 430)
             tab.locator(".reflest-values").wait_for(timeout=PATIENCE)
             assert tab.get_by_text("Material 1").count()
             assert problems == []
         view.send_signal(signal.SIGINT)
-        rest, errors = view.communicate(timeout=60)
+        rest, errors = view.communicate(timeout=600)
     finally:
+        killer.cancel()
         view.kill()
     assert (view.returncode, errors) == (0, "")
     assert "ended" in rest
@@ -196,5 +195,5 @@ def rendered(work, file):
 
 
 def is_red(picture):
-    """Whether a twentieth of a picture in [0, 1] is clearly redder than blue."""
-    return (picture[..., 0] > picture[..., 2] + 0.1).mean() > 0.05
+    """Whether a twentieth of an 8-bit picture is clearly redder than blue."""
+    return (picture[..., 0] > picture[..., 2] + 25.5).mean() > 0.05

@@ -18,7 +18,7 @@ CHECKOUT = Path(__file__).parents[3]
 def reflest(*arguments, code=None):
     command = ["-c", code] if code else ["-m", "reflest_core.cli.main", *map(str, arguments)]
     return subprocess.run(
-        [sys.executable, *command], capture_output=True, text=True, cwd=CHECKOUT, timeout=100
+        [sys.executable, *command], capture_output=True, text=True, cwd=CHECKOUT, timeout=600
     )
 
 
@@ -96,6 +96,6 @@ def test_a_reader_that_leaves_is_no_error(weights, bag):
     )
     process.stdout.close()
     errors = process.stderr.read().decode()
-    assert process.wait(timeout=100) == 1
+    assert process.wait(timeout=600) == 1
     assert "Traceback" not in errors
     process.stderr.close()

@@ -37,7 +37,7 @@ def without_torch(*arguments):
     )
     root = Path(__file__).parents[3]
     done = subprocess.run(
-        [sys.executable, "-c", script], cwd=root, capture_output=True, text=True, timeout=240
+        [sys.executable, "-c", script], cwd=root, capture_output=True, text=True, timeout=1100
     )
     return done.returncode, done.stdout + done.stderr
 

@@ -13,7 +13,7 @@ from test.core.fusion.analytic_scene import OBJECT, look_at, render
 from test.core.fusion.scan_state import assert_no_ghosts
 
 
-@hypothesis_settings(max_examples=20, deadline=None)
+@hypothesis_settings(max_examples=20)
 @given(st.floats(16.0, 400.0), st.integers(5, 255))
 def test_reserved_bytes_use_the_budget_and_never_pass_it(budget_mb, observations_per_voxel):
     settings = FusionSettings(

@@ -30,7 +30,7 @@ def test_every_item_once_and_in_order(threads, count, least):
 
 
 def test_parts_run_at_the_same_time():
-    meeting = threading.Barrier(2, timeout=60)
+    meeting = threading.Barrier(2, timeout=600)
     assert share_out(2, 2, 1, lambda start, stop: (meeting.wait() >= 0, start)) == [
         (True, 0),
         (True, 1),

@@ -28,10 +28,12 @@ PACKED = PackedScenes.of(SURFACES, np.full((3, 5), 0.1))
 EVERYTHING = Augmentation(views=(1000, 1000), candidates=1000, channel_swap=False)
 
 
+def seeded(seed):
+    return torch.Generator().manual_seed(seed)
+
+
 def drawn(voxels=20, batch_size=8):
-    scenes = SceneDrawer(PACKED, EVERYTHING).draw(
-        batch_size, voxels, torch.Generator().manual_seed(0)
-    )
+    scenes = SceneDrawer(PACKED, EVERYTHING).draw(batch_size, voxels, seeded(0))
     unturned = torch.eye(3).expand(batch_size, 3, 3)
     return dataclasses.replace(scenes, rotation=unturned)
 
@@ -74,7 +76,7 @@ def test_a_voxel_that_nothing_saw_is_black():
     images = hemispheres._by_tensors(PACKED, blind, torch.zeros(8))
     assert images[0, 3].abs().max() == 0
     assert images[0, 2].abs().max() > 0
-    branches, _ = batched_grouplets(PACKED, blind, torch.rand(8, 20, 2, 5))
+    branches, _ = batched_grouplets(PACKED, blind, torch.rand(8, 20, 2, 5, generator=seeded(4)))
     assert branches[0, 6:8].abs().max() == 0
     assert branches[0, 5].abs().max() > 0
 
@@ -105,7 +107,7 @@ def test_spread_voxels_are_those_of_the_live_path(count):
 
 
 def test_clusters_are_the_same_one_scene_at_a_time_and_all_in_step():
-    generator = torch.Generator().manual_seed(1)
+    generator = seeded(1)
     points = torch.rand((4, 60, 6), generator=generator, dtype=torch.float64)
     eligible = torch.rand((4, 60), generator=generator) < 0.8
     one_by_one = spread._one_by_one(points.numpy(), eligible.numpy(), 12)
@@ -115,7 +117,7 @@ def test_clusters_are_the_same_one_scene_at_a_time_and_all_in_step():
 def test_voxels_are_counted_by_the_kernel_as_by_tensors():
     few = Augmentation(views=(5, 12), candidates=1000)
     drawer = SceneDrawer(PACKED, few)
-    generator = torch.Generator().manual_seed(3)
+    generator = seeded(3)
     scenes = torch.tensor([0, 1, 2, 1])
     kept = drawer._kept_views(scenes, generator)
     candidates, _ = drawer._candidates(scenes, generator)
@@ -127,10 +129,11 @@ def test_voxels_are_counted_by_the_kernel_as_by_tensors():
 
 def test_too_few_voxels_stand_in_twice_and_unseen_ones_never():
     counts = torch.tensor([[0, 7, 0, 9, 6]])
-    positions = torch.rand(1, 5, 3)
+    generator = seeded(5)
+    positions = torch.rand(1, 5, 3, generator=generator)
     chosen = spread_voxels(positions, positions, counts, 7)
     assert set(chosen[0].tolist()) == {1, 3, 4}
-    some = random_voxels(torch.rand(1, 5), counts, 7)
+    some = random_voxels(torch.rand(1, 5, generator=generator), counts, 7)
     assert set(some[0].tolist()) == {1, 3, 4}
 
 
@@ -145,7 +148,7 @@ def test_observations_of_a_node_are_distinct_where_there_are_five():
     seen = torch.zeros(1, 2, 40, dtype=torch.bool)
     seen[0, 0, 3:33:5] = True  # six of them
     seen[0, 1, 7:10] = True
-    places = choose_observations(seen, torch.rand(1, 2, 500, 5))
+    places = choose_observations(seen, torch.rand(1, 2, 500, 5, generator=seeded(6)))
     assert seen.gather(2, places.flatten(2)).all()
     for node in places[0, 0].tolist():
         assert len(set(node)) == 5

@@ -62,7 +62,7 @@ def test_two_processes_train_as_one_with_the_double_batch(tmp_path):
         check=True,
         cwd=ROOT,
         env={**os.environ, **loopback},
-        timeout=240,
+        timeout=1100,
     )
     assert main(options(data, tmp_path / "1")) == 0
     together, alone = weights_in(tmp_path / "2"), weights_in(tmp_path / "1")

@@ -3,7 +3,6 @@
 """The page in a real browser: a capture is scanned, clicked on, exported."""
 
 import re
-import time
 from pathlib import Path
 
 import numpy as np
@@ -16,12 +15,15 @@ from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.fusion.settings import RegionSettings
 from reflest_core.viewer.capture_source import CaptureSource
 from reflest_core.viewer.server import ViewerServer
-from test.web.browser import opened, screenshot
+from test.waiting import wait_until
+from test.web.browser import opened, still
 
 CAPTURE = Path(__file__).parents[3] / "captures" / "glossy-red"
 MIDDLE = (640, 430)
-PATIENCE = 90_000
+PATIENCE = 300_000
 """Milliseconds: a machine that runs other tests as well draws slowly."""
+LONGEST_SCAN = 600.0
+"""Seconds after which something is broken."""
 BACKGROUND = 24
 """8-bit level below which a pixel is the page's dark background."""
 
@@ -38,9 +40,7 @@ def source():
 
 @pytest.fixture(scope="module")
 def scan(source):
-    deadline = time.monotonic() + 120
-    while source.state().is_working and time.monotonic() < deadline:
-        time.sleep(0.1)
+    wait_until(lambda: not source.state().is_working, "the scan does not end", LONGEST_SCAN)
     scan = source.state().scan
     assert scan is not None, source.state().progress
     return scan
@@ -57,21 +57,18 @@ def page(source, scan):
 
 def drawn(page):
     """Share of the middle of the page that is not background, when something is; the picture."""
-    share, last = 0.0, None
-    for _ in range(40):
-        picture = screenshot(page)[150:, 330:950]
-        before, share = share, float((picture.max(axis=-1) > BACKGROUND + 16).mean())
-        if share > 0.01 and share == before and np.abs(picture.astype(int) - last).mean() < 0.1:
-            break
-        last = picture
-        time.sleep(0.4)
-    return share, picture
+    picture = still(page, lambda picture: share_drawn(picture) > 0.01)
+    return share_drawn(picture), picture
+
+
+def share_drawn(picture):
+    return float((picture.max(axis=-1) > BACKGROUND + 16).mean())
 
 
 def test_the_surface_is_drawn_in_its_colour(page, scan):
     share, picture = drawn(page[0])
     assert share > 0.1
-    red, green, blue = picture[picture.max(axis=-1) > 80].astype(float).mean(axis=0)
+    red, green, blue = picture[picture.max(axis=-1) > 80].mean(axis=0)
     assert red > 1.3 * max(green, blue)
 
 
@@ -98,10 +95,12 @@ def test_a_key_changes_the_colours(page):
     _, before = drawn(tab)
     tab.keyboard.press("6")
     tab.get_by_text("no material yet").wait_for(timeout=PATIENCE)
-    time.sleep(1.0)
-    _, after = drawn(tab)
-    surface = after.max(axis=-1) > 80
-    assert np.abs(before.astype(int) - after)[surface].mean() > 20
+
+    def is_changed(after):
+        surface = after.max(axis=-1) > 80
+        return surface.any() and np.abs(before - after)[surface].mean() > 20
+
+    still(tab, is_changed)
     tab.keyboard.press("1")
     tab.get_by_text("Rendered by the Ward model").wait_for(timeout=PATIENCE)
 
@@ -110,16 +109,16 @@ def test_the_scan_can_be_scrubbed(page, source):
     tab, _ = page
     assert len(source.state().keyframes) > 3
     last = len(source.state().keyframes)
+    whole, _ = drawn(tab)
     field = tab.locator(f"input[value='{last}']").last.element_handle()
     field.fill("0")
     field.press("Enter")
     tab.get_by_text(f"Keyframe 1 of {last}").wait_for(timeout=PATIENCE)
-    part, _ = drawn(tab)
+    still(tab, lambda picture: 0.1 * whole < share_drawn(picture) < 0.95 * whole)
     field.fill(str(last))
     field.press("Enter")
     tab.get_by_text(f"Keyframe 1 of {last}").wait_for(state="hidden", timeout=PATIENCE)
-    whole, _ = drawn(tab)
-    assert 0.1 * whole < part < 0.95 * whole
+    still(tab, lambda picture: share_drawn(picture) > 0.95 * whole)
 
 
 def test_nothing_fails_in_the_browser(page):
@@ -142,8 +141,7 @@ def test_a_saved_scan_shows_the_same_materials_and_cannot_be_scanned_again(sourc
     path.write_bytes(content)
     saved = CaptureSource(path, ReflestSettings(), None)
     try:
-        while saved.state().is_working:
-            time.sleep(0.05)
+        wait_until(lambda: not saved.state().is_working, "it is not read", LONGEST_SCAN)
         again = saved.state().scan.found.materials[0].estimate
         assert again.rho_d == scan.found.materials[0].estimate.rho_d
         with pytest.raises(ReflestError, match="saved scan"):
@@ -165,6 +163,5 @@ def test_a_smaller_region_scans_less(source, scan):
     before = source.state().scan.found.surface.voxel_count
     x, y, z = scan.vertices[0].tolist()
     source.set_region((x, y, z), 0.04)
-    while source.state().is_working:
-        time.sleep(0.1)
+    wait_until(lambda: not source.state().is_working, "the scan does not end", LONGEST_SCAN)
     assert 0 < source.state().scan.found.surface.voxel_count < before / 2

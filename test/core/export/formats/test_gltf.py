@@ -113,6 +113,6 @@ def test_the_validator_of_khronos_finds_no_error_and_no_warning(ball, name, what
     else:
         export_asset(ball, path)
     command = ["node", str(WEB / "validate_gltf.js"), str(path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=600)
     report = json.loads(done.stdout)
     assert (report["numErrors"], report["numWarnings"], report["numHints"]) == (0, 0, 0), report
