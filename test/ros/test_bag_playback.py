@@ -57,7 +57,7 @@ def replayed(sphere_bag, settings_file, tmp_path_factory):
 @pytest.fixture(scope="module")
 def played(node, peer, start, sphere_bag, replayed):
     """The estimates that arrived while the bag was played to the node, the last one among them."""
-    player = start("reflest_ros.bag_player", sphere_bag, "--rate", "2")
+    player = start("reflest_ros.bag_player", sphere_bag, "--rate", "0.25")
     assert player.exit_code() == 0, player.output
     peer.wait_for_count("frames fused", FRAMES)
     last_stamp_ns = replayed["estimates"][-1]["header"]["stamp_ns"]
