@@ -16,6 +16,7 @@ COLUMNS = {
     "purity": "purity",
     "completeness": "completeness",
 }
+HEADINGS = {"unseen": "Lights of no training", "training": "Lights of the network's training"}
 
 
 def materials(record: Record) -> Lines:
@@ -24,14 +25,10 @@ def materials(record: Record) -> Lines:
     Args:
         record: Result of :func:`.measure_materials`.
     """
-    means = [
-        [title, *(float(record["means"][name][column]) for column in COLUMNS)]
-        for name, title in TITLES.items()
-        if name in record["means"]
-    ]
     rows = [
         [
             row["name"],
+            row["environment"],
             row["setting"],
             row["voxels"],
             row["materials"]["materials"],
@@ -42,16 +39,38 @@ def materials(record: Record) -> Lines:
         ]
         for row in record["rows"]
     ]
-    header = ["scene", "setting", "voxels", "true materials", "found", *COLUMNS.values()]
-    inside = [percent(share) for share in record["inside"]]
-    return [
+    header = ["scene", "light", "setting", "voxels", "true materials", "found", *COLUMNS.values()]
+    lines = [
         "## Materials of whole scenes",
         "",
-        f"{record['scenes']} tabletops and corners of rooms with 2 to 6 objects of measured",
-        "materials, scanned without a region. `z` is the error over [.25 .25 .25 .20 .06]",
-        "(`rho_d`, `rho_s`, `alpha`), RMS over parameters, mean over a material's points, then",
-        "over materials. ARI is the adjusted Rand index; balanced ARI, purity and completeness",
-        "weight true materials alike.",
+        "Tabletops and corners of rooms with 2 to 6 objects of measured materials, scanned without",
+        "a region. `z` is the error over [.25 .25 .25 .20 .06] (`rho_d`, `rho_s`, `alpha`), RMS",
+        "over parameters, mean over a material's points, then over materials. ARI is the adjusted",
+        "Rand index; balanced ARI, purity and completeness weight true materials alike. No network",
+        "was trained on any of these scenes.",
+        "",
+    ]
+    for name, split in record["splits"].items():
+        lines += _split(name, split)
+    return [
+        *lines,
+        "### Scene by scene",
+        "",
+        *table([*header, "z, one material", "CPU s"], rows),
+        "",
+    ]
+
+
+def _split(name: str, split: Record) -> Lines:
+    """Means over the scenes of one split."""
+    means = [
+        [title, *(float(split["means"][variant][column]) for column in COLUMNS)]
+        for variant, title in TITLES.items()
+        if variant in split["means"]
+    ]
+    inside = [percent(share) for share in split["inside"]]
+    return [
+        f"### {HEADINGS[name]}: {split['scenes']} scenes under {split['lights']} lights",
         "",
         *table(["", *COLUMNS.values()], means),
         "",
@@ -59,21 +78,19 @@ def materials(record: Record) -> Lines:
         "",
         *table(list(WARD_NAMES), [inside]),
         "",
-        f"From keyframe to keyframe in the second half of a scan, {percent(record['kept'])} of the",
-        f"voxels keep their material's id, and {percent(record['small_steps'])} of the materials",
+        f"From keyframe to keyframe in the second half of a scan, {percent(split['kept'])} of the",
+        f"voxels keep their material's id, and {percent(split['small_steps'])} of the materials",
         "change by less than a stated deviation.",
         "",
-        *_light(record),
-        *table([*header, "z, one material", "CPU s"], rows),
-        "",
+        *_light(split),
     ]
 
 
-def _light(record: Record) -> Lines:
-    if record["irradiance"] is None:
+def _light(split: Record) -> Lines:
+    if split["irradiance"] is None:
         return []
     return [
         "Irradiance of the inferred light on surfaces that face up, RMS of the log of its ratio to",
-        f"the truth, mean over the scenes under a distant light: {record['irradiance']:.2f}.",
+        f"the truth, mean over the scenes under a distant light: {split['irradiance']:.2f}.",
         "",
     ]

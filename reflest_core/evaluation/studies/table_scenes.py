@@ -41,6 +41,9 @@ from reflest_core.synbrdf.lights.environments import find_environments, load_env
 TRUTH = "truth.ply"
 NORMALS = 200
 """Directions that the irradiance is compared on."""
+UNSEEN, TRAINING = "unseen", "training"
+SPLITS = (UNSEEN, TRAINING)
+"""Scenes under lights that the network was not trained on, and under lights that it was."""
 MEANS = ("z", "rmse", "log_rho_d", "ari", "balanced_ari", "purity", "completeness", "matched")
 
 
@@ -73,25 +76,38 @@ def measure_materials(
             light; None leaves it out.
 
     Returns:
-        The record of the part ``materials``: a row for each scene, and means over the scenes.
+        The record of the part ``materials``: a row for each scene, and means over the scenes of
+        each split.
     """
     rows = []
     for scene in tqdm(scenes[:limit], desc="scenes", unit="scene", leave=False):
         rows.append(_measure(scene, environments))
+    return {
+        "splits": {
+            name: _summary(of_split)
+            for name in SPLITS
+            if (of_split := [row for row in rows if row["split"] == name])
+        },
+        "rows": rows,
+    }
+
+
+def _summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """Means over the scenes of one split."""
+    lights = {row["environment"] for row in rows}
     known = [row["irradiance"] for row in rows if row["irradiance"] is not None]
-    found = [row["materials"] for row in rows]
     return {
         "scenes": len(rows),
+        "lights": len(lights),
         "means": {
             variant: _means([row[variant] for row in rows if variant in row])
             for variant in VARIANTS
             if any(variant in row for row in rows)
         },
-        "inside": np.nanmean([one["inside"] for one in found], axis=0).tolist(),
+        "inside": np.nanmean([row["materials"]["inside"] for row in rows], axis=0).tolist(),
         "irradiance": None if not known else float(np.mean(known)),
         "kept": _mean([row["kept"] for row in rows]),
         "small_steps": _mean([row["small_steps"] for row in rows]),
-        "rows": rows,
     }
 
 
@@ -125,6 +141,8 @@ def _measure(scene: Path, environments: Path | None) -> dict[str, Any]:
     ]
     return {
         "name": scene.name,
+        "environment": card.get("environment", "unknown"),
+        "split": TRAINING if card.get("environment") in _training_lights(pipeline) else UNSEEN,
         "setting": f"{card.get('setting', 'unknown')}, {card.get('light', 'unknown')} light",
         "voxels": final.surface.voxel_count,
         "cpu_seconds": seconds,
@@ -136,6 +154,11 @@ def _measure(scene: Path, environments: Path | None) -> dict[str, Any]:
         "kept": _mean([change.kept for change in changes]),
         "small_steps": _small_steps(changes),
     }
+
+
+def _training_lights(pipeline: Pipeline) -> list[str]:
+    recipe = pipeline.estimator.predictor.card.recipe
+    return list(recipe.get("calibrated_under", []))
 
 
 def _card(scene: Path) -> dict[str, Any]:

@@ -54,17 +54,19 @@ def test_a_scene_is_measured_and_is_on_the_page(tables, tmp_path):
     (row,) = record["rows"]
     assert row["whole"]["z"] < 0.4
     assert row["materials"]["materials"] == 1
-    assert record["means"]["materials"]["z"] == row["materials"]["z"]
+    (split,) = record["splits"].values()
+    assert split["scenes"] == split["lights"] == 1
+    assert split["means"]["materials"]["z"] == row["materials"]["z"]
     assert 0.0 <= row["kept"] <= 1.0
     assert "true_light" not in row
-    assert record["means"]["seen_light"]["z"] == row["seen_light"]["z"]
+    assert split["means"]["seen_light"]["z"] == row["seen_light"]["z"]
     page = (tmp_path / "index.md").read_text()
     line = next(
         line for line in page.splitlines() if line.startswith("| many materials in one light |")
     )
     cells = [cell.strip() for cell in line.strip("|").split("|")]
-    assert cells[1] == f"{record['means']['materials']['z']:.3f}"
-    assert cells[5] == f"{record['means']['materials']['purity']:.3f}"
+    assert cells[1] == f"{split['means']['materials']['z']:.3f}"
+    assert cells[5] == f"{split['means']['materials']['purity']:.3f}"
 
 
 def test_a_folder_without_truth_is_named(tmp_path):
