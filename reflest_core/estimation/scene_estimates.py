@@ -135,9 +135,8 @@ class SceneEstimates:
         if joint is None:
             found = self._scaled(self._albedo(voxels, ward), ward[RHO_D])
         else:
-            # The light and the albedos go with the strength of the same solution.
-            as_lit = np.array([*ward[RHO_D], joint.gloss_of(voxels)[0], ward[ALPHA]])
-            found = self._albedo(voxels, as_lit)
+            # What the published gloss does not explain is albedo: together they give the colours.
+            found = self._albedo(voxels, ward)
             ward = physical_ward(np.concatenate([_trimmed_mean(found.rho_d), ward[RHO_S:]]))
             if stddev is not None:
                 of_gloss = GLOSS_AS_ALBEDO * stddev[RHO_S]
