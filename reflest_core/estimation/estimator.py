@@ -37,7 +37,6 @@ from reflest_core.surface.extent import voxel_extent
 from reflest_core.surface.observed_surface import ObservedSurface, digest
 from reflest_core.surface.partition import UNASSIGNED, WHOLE, Partition
 from reflest_core.surface.upright import upright
-from reflest_core.surface.voxel_choice import choose_voxels
 
 FEWEST_GLOSS_VOXELS = 30
 """Whatever the budget: with fewer voxels alpha is hardly ever determined."""
@@ -291,7 +290,7 @@ class Estimator:
             else:
                 if material_id in answers:
                     prediction, gloss = answers[material_id]
-                    chosen = choose_voxels(part, self.predictor.voxels)
+                    chosen = self.predictor.chosen(part)
                     prediction = replace(prediction, voxels=chosen)
                 else:
                     gloss = scene.posterior(voxels)

@@ -9,7 +9,8 @@ at least 0. Priors keep what the shading does not determine at plausible values.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,6 +64,22 @@ class InferredLight:
         """
         factors, *scalars = (np.array(parts, np.float32) for parts in zip(*channels, strict=True))
         return InferredLight(factors[:, :PATCHES].T, factors[:, PATCHES:].T, *scalars)
+
+    @staticmethod
+    def mean(found: Sequence[InferredLight]) -> InferredLight:
+        """Join what several sets of observations give; of the albedo the geometric mean.
+
+        Args:
+            found: Of each set.
+        """
+        if len(found) == 1:
+            return found[0]
+        means = {
+            one.name: np.mean([getattr(light, one.name) for light in found], axis=0)
+            for one in fields(InferredLight)
+        }
+        means["albedo"] = np.exp(np.mean([np.log(light.albedo) for light in found], axis=0))
+        return InferredLight(**means)
 
 
 def infer_from_shading(

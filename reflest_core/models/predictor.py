@@ -21,6 +21,9 @@ from reflest_core.models.weights import WeightsError, check_fits, load_weights
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.voxel_choice import choose_voxels
 
+CHOICES = 2
+"""Disjoint choices of voxels of one explained material: the mean of their scores moves less when
+what should not matter changes."""
 LARGEST_LOG_VARIANCE = 3.0
 """Of a z-score; training distinguishes variances up to here."""
 
@@ -108,8 +111,8 @@ class Predictor:
             return self._predict(surface, found)
 
     def _predict(self, surface: ObservedSurface, found: Explanation | None) -> Prediction:
-        voxels = choose_voxels(surface, self.voxels)
-        scores = self.network.scores(surface, voxels, found)
+        voxels = self.chosen(surface)
+        scores = self._scores(surface, voxels, found)
         stated = (
             scores.means if scores.log_variances is None else (*scores.means, *scores.log_variances)
         )
@@ -125,6 +128,32 @@ class Predictor:
             light = light_knowledge(surface.light, surface.normals[voxels])
         has_posterior = bool(self.card.recipe.get("gloss_posterior", False))
         return Prediction(ward, voxels, self._deviations(scores, light), light, has_posterior)
+
+    def chosen(self, surface: ObservedSurface) -> NDArray[np.int64]:
+        """Choose the voxels of a surface that an estimate rests on.
+
+        Args:
+            surface: Upright (+z is up), with at least one observed voxel.
+
+        Returns:
+            At most :attr:`voxels` indices, or :data:`CHOICES` times as many for a network that uses
+            the light, rising.
+        """
+        return choose_voxels(surface, self.voxels * (CHOICES if self.sees_light else 1))
+
+    def _scores(
+        self, surface: ObservedSurface, voxels: NDArray[np.int64], found: Explanation | None
+    ) -> Scores:
+        """The mean scores of as many disjoint choices as there are voxels for."""
+        choices = max(len(voxels) // self.voxels, 1)
+        scores = [
+            self.network.scores(surface, voxels[first::choices], found) for first in range(choices)
+        ]
+        if choices == 1:
+            return scores[0]
+        means = np.mean([one.means for one in scores], axis=0)
+        known = [one.log_variances for one in scores if one.log_variances is not None]
+        return Scores(means, np.mean(known, axis=0) if known else None)
 
     def _deviations(
         self, scores: Scores, light: LightKnowledge | None

@@ -77,7 +77,8 @@ def stability(record: Record) -> Lines:
     return [
         "## Stability",
         "",
-        f"Median over {len(record['captures'])} captures of how far estimates move, divided by",
+        f"Median over {len(record['captures'])} captures, each taken for one material, of how far",
+        "estimates move, divided by",
         f"the standard deviation that they state: over {subsets} of the frames or of the voxels",
         "and over voxel sizes, their own standard deviation; with all colours one level brighter,",
         "a tenth of the frames left out, or poses wrong by 0.1 mm and 1e-4 rad, the distance from",

@@ -130,13 +130,14 @@ def _ratios(frames: list[Frame], settings: ReflestSettings) -> dict[str, NDArray
 
 
 def _scanned(frames: list[Frame], settings: ReflestSettings) -> tuple[Pipeline, KeyframeSnapshot]:
+    """A scan that is taken for one material, as with a region of interest."""
     pipeline = Pipeline(settings)
     for frame in frames:
         try:
             pipeline.fuse(frame)
         except FrameRefused:
             continue
-    return pipeline, pipeline.snapshot()
+    return pipeline, dataclasses.replace(pipeline.snapshot(), middle=None, around=None)
 
 
 def _seeds(count: int = SUBSETS) -> Iterator[np.random.Generator]:

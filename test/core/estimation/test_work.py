@@ -12,6 +12,7 @@ from reflest_core.estimation.settings import EstimationSettings
 from reflest_core.inference.evidence import SAMPLED
 from reflest_core.models import linear_algebra
 from reflest_core.models.grouplet import live as live_grouplet
+from reflest_core.models.predictor import CHOICES
 from reflest_core.models.registry import models, network_of_model
 from reflest_core.surface import voxel_choice
 from reflest_core.surface.voxel_choice import MOST_CANDIDATES
@@ -69,7 +70,9 @@ def test_a_tenfold_scan_costs_no_more(model, work, tmp_path):
         # Of more voxels better observed ones are chosen, whose observations repeat less often.
         assert cost <= 1.2 * small[kind], kind
     # lightnet's physics fits gloss to voxels of its own choice.
-    chosen = models()[model].voxels + (SAMPLED if network_of_model(model).sees_light else 0)
+    chosen = models()[model].voxels
+    if network_of_model(model).sees_light:
+        chosen = CHOICES * chosen + SAMPLED
     assert large["distances"] <= MOST_CANDIDATES * chosen
 
 

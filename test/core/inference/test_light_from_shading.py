@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from reflest_core.inference.light_from_shading import infer_from_shading
+from reflest_core.inference.light_from_shading import InferredLight, infer_from_shading
 from reflest_core.inference.light_prior import BRIGHT, DIM, HUE
 from reflest_core.inference.transport.irradiance import incoming, mean_radiance
 from reflest_core.inference.transport.light_patches import (
@@ -161,3 +161,26 @@ def test_no_light_at_all_breaks_nothing():
     dark = seen_as(sky(), np.zeros((SIZE, SIZE), np.float32))
     filled, found = inferred(dark, np.full((400, 3), 0.5, np.float32))
     assert np.isfinite(completed_light(dark, filled, found.unseen, found.excess).levels[0]).all()
+
+
+def light_of(albedo, factor):
+    return InferredLight(
+        unseen=np.full((PATCHES, 3), factor, np.float32),
+        excess=np.zeros((PATCHES, 3), np.float32),
+        albedo=np.full(3, albedo, np.float32),
+        deviation=np.full(3, factor, np.float32),
+        misfit=np.full(3, factor, np.float32),
+    )
+
+
+def test_the_mean_of_lights_has_the_geometric_mean_of_their_albedos():
+    mean = InferredLight.mean([light_of(0.1, 1.0), light_of(0.4, 3.0)])
+    np.testing.assert_allclose(mean.albedo, 0.2, rtol=1e-6)
+    np.testing.assert_allclose(mean.unseen, 2.0)
+    np.testing.assert_allclose(mean.deviation, 2.0)
+    assert {array.dtype for array in vars(mean).values()} == {np.dtype(np.float32)}
+
+
+def test_the_mean_of_one_light_is_that_light():
+    only = light_of(0.1, 1.0)
+    assert InferredLight.mean([only]) is only
