@@ -299,7 +299,6 @@ class FusionWorker:
             except Exception as error:
                 self._refuse_after(error, f"the frame at {frame.stamp_ns / 1e9:.3f} s")
                 continue
-            self.counts.fused += 1
             self.counts.fusion_seconds = time.monotonic() - began
             self.last_frame = frame
             self.counts.redundant += scanned.fused.is_redundant
@@ -309,6 +308,7 @@ class FusionWorker:
                 self._on_keyframe(Keyframe(scanned.keyframe, arrival))  # first: it is waited for
                 self.counts.take_light(self._scanner.scan)
             self.count_store()
+            self.counts.fused += 1  # last: who reads it finds the other counts of the frame
 
     def _refuse_after(self, error: Exception, what: str) -> None:
         """Count an internal error: the node goes on with what comes next."""

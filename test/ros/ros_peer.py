@@ -72,6 +72,19 @@ class RosPeer:
         """Wait until a diagnostic has come to a number."""
         self.wait_until(lambda: self.count(key) >= at_least, f"{key} < {at_least}")
 
+    def wait_for_news(self) -> None:
+        """Wait for diagnostics that were made after this call."""
+        for _ in range(2):  # the next ones may be on their way
+            before = self.diagnostics
+            self.wait_until(lambda old=before: self.diagnostics is not old, "no diagnostics")
+
+    def wait_for_keyframes(self) -> None:
+        """Wait until an estimate at every keyframe was made, skipped or refused."""
+        ends = ("estimates", "keyframes skipped", "keyframes without an estimate")
+        self.wait_until(
+            lambda: sum(map(self.count, ends)) == self.count("keyframes"), "an estimate was lost"
+        )
+
     def count(self, key: str) -> int:
         return int(self.diagnostics.get(key, "0"))
 

@@ -49,6 +49,7 @@ def scanned(scanning, peer):
         key = f"rate {role} (Hz)"
         peer.wait_until(lambda key=key: float(peer.diagnostics.get(key, 0.0)) > 0.0, role)
     peer.wait_for_count("frames fused", len(capture))
+    peer.wait_for_count("estimates", 1)
     return capture
 
 

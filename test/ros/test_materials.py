@@ -123,8 +123,10 @@ def test_materials_are_not_estimated_where_that_is_turned_off(shown, peer):
     assert peer.set_parameter("materials.when", never).successful
     # One thread estimates: a map that was begun before is published before this answer.
     assert peer.call(Estimate, "estimate").success
+    peer.wait_for_news()
     maps = peer.count("material maps")
     assert peer.call(Estimate, "estimate").success
+    peer.wait_for_news()
     assert peer.count("material maps") == maps
 
 

@@ -36,6 +36,7 @@ def shown(node, peer, start, sphere_bag):
     player = start("reflest_ros.bag_player", sphere_bag, "--rate", "4")
     assert player.exit_code() == 0, player.output
     peer.wait_for_count("frames fused", FRAMES)
+    peer.wait_for_keyframes()
     asked_for = stamp_to_ns(peer.call(Estimate, "estimate").estimate.header.stamp)
     peer.wait_until(
         lambda: [one.stamp_ns for one in peer.estimates[-1:]] == [asked_for], "no estimate came"
