@@ -15,7 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 ENDING = 60.0
 """Seconds in which a process ends by itself."""
-PATIENCE = 120.0
+PATIENCE = 300.0
 """Seconds after which something is broken: no test waits so long for what works."""
 
 

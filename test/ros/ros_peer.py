@@ -24,7 +24,7 @@ from reflest_ros.msg import BrdfEstimate as BrdfEstimateMessage
 from reflest_ros.outputs.estimate_message import estimate_from_message
 
 NODE = "/reflest_estimator"
-WAIT = 120.0
+WAIT = 300.0
 """Seconds after which something is broken: no test waits so long for what works."""
 
 
