@@ -33,7 +33,7 @@ from reflest_core.surface.surface_sample import sampled
 
 USED_OBSERVATIONS = 2
 """Every second observation of the shaded voxels enters: all give hardly more, and take longer."""
-SETS, SMALLEST_SET = 4, 64
+SETS, SMALLEST_SET = 2, 64
 """Sets of the shaded voxels that the light is inferred from one by one, and voxels of the least."""
 USUAL_ALBEDO = 0.25
 """Mean diffuse albedo of SynBRDF's materials."""
