@@ -178,6 +178,7 @@ def test_a_scan_outlives_every_kill(start, settings_file, tmp_path, domain_id):
                 for topic, message in messages_of(view):
                     peer.publish(f"/killed{topic}", message)
             peer.wait_for_count("messages rgb", count)
+            peer.wait_for_count("frames fused", 1)
             assert peer.call(Estimate, "estimate").success
             peer.wait_until(path.exists, "nothing was saved")
             time.sleep(choice.random() * 0.3)
