@@ -4,12 +4,15 @@
 
 from __future__ import annotations
 
+import operator
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from reflest_core.capture.camera import CameraIntrinsics
+from reflest_core.capture.camera_problem import camera_problem
+from reflest_core.capture.frame import Frame
 from reflest_core.capture.pose import FURTHEST, quaternion_of, rigid_matrix
 from reflest_core.errors import ReflestError
 from reflest_core.fusion.settings import RegionSettings
@@ -20,6 +23,8 @@ LIKELY_MILLIMETRES = 50.0
 """A median depth beyond it, in metres, is more likely in another unit."""
 LAST_SECOND = 2**63 / 1e9
 """A stamp's nanoseconds are 64-bit integers."""
+LAST_STAMP_NS = 2**63 - 10**9
+"""So that the next frame's stamp is one too."""
 
 
 class ArgumentRefused(ReflestError):
@@ -76,7 +81,45 @@ def checked_stamp(stamp: Any) -> int:
     seconds = checked_number("stamp", stamp)
     if not abs(seconds) < LAST_SECOND:
         raise ArgumentRefused(f"stamp is {stamp}: expected seconds")
-    return round(seconds * 1e9)
+    return checked_stamp_ns(round(seconds * 1e9))
+
+
+def checked_stamp_ns(stamp_ns: Any) -> int:
+    """Check a stamp that leaves room for a next one.
+
+    Args:
+        stamp_ns: nanoseconds.
+
+    Raises:
+        ArgumentRefused: It is no time that a stamp can hold.
+    """
+    try:
+        checked = operator.index(stamp_ns)
+    except TypeError:
+        raise ArgumentRefused(f"stamp_ns is {_shown(stamp_ns)}: expected nanoseconds") from None
+    if not abs(checked) <= LAST_STAMP_NS:
+        raise ArgumentRefused(
+            f"the stamp is {checked / 1e9:g} s: expected a time within 292 years of 0"
+        )
+    return checked
+
+
+def checked_frame(frame: Any) -> Frame:
+    """Check a frame that may not come from a capture.
+
+    Args:
+        frame: as it was given.
+
+    Raises:
+        ArgumentRefused: It is none, or its stamp or its calibration cannot be.
+    """
+    if not isinstance(frame, Frame):
+        raise ArgumentRefused(
+            f"frame is {_shown(frame)}: pass a frame of open_capture, or arrays to Scanner.add"
+        )
+    checked_stamp_ns(frame.stamp_ns)
+    _possible(frame.intrinsics)
+    return frame
 
 
 def checked_region(region: Any) -> RegionSettings:
@@ -149,9 +192,10 @@ def checked_depth(
             f"depth is {image.dtype}: pass metres as floats, or give Scanner depth_scale "
             "(0.001 for millimetres)"
         )
-    metres = image.astype(np.float32)
-    if scale is not None:
-        metres *= np.float32(scale)
+    with np.errstate(over="ignore"):  # beyond float32 it is infinite, which is unknown
+        metres = image.astype(np.float32)
+        if scale is not None:
+            metres *= np.float32(scale)
     known = np.isfinite(metres) & (metres > 0.0)
     metres = np.where(known, metres, np.float32(0.0))
     if known.any() and float(np.median(metres[known])) > LIKELY_MILLIMETRES:
@@ -173,7 +217,7 @@ def checked_intrinsics(
         shape: (H, W) of the images that it belongs to.
 
     Raises:
-        ArgumentRefused: It is no such matrix, or its principal point lies outside the image.
+        ArgumentRefused: It is no such matrix, or no camera of such images has it.
     """
     if isinstance(matrix, CameraIntrinsics):
         if (matrix.height, matrix.width) != shape:
@@ -181,7 +225,7 @@ def checked_intrinsics(
                 f"K belongs to images of {matrix.width} x {matrix.height} pixels, and rgb has "
                 f"{shape[1]} x {shape[0]}"
             )
-        return matrix
+        return _possible(matrix)
     values = _array("K", matrix, np.float64)
     if values.shape == (4,):
         fx, fy, cx, cy = values.tolist()
@@ -194,17 +238,13 @@ def checked_intrinsics(
         fx, fy, cx, cy = (float(values[at]) for at in ((0, 0), (1, 1), (0, 2), (1, 2)))
     else:
         raise ArgumentRefused(f"K has shape {values.shape}: expected (3, 3), or fx, fy, cx, cy")
-    if not np.isfinite([fx, fy, cx, cy]).all() or not 0.0 < min(fx, fy) <= max(fx, fy) < 1e6:
-        raise ArgumentRefused(
-            f"K has fx = {fx:g}, fy = {fy:g}: expected positive focal lengths in pixels"
-        )
-    height, width = shape
-    if not (-0.5 <= cx <= width - 0.5 and -0.5 <= cy <= height - 0.5):
-        raise ArgumentRefused(
-            f"K's principal point ({cx:g}, {cy:g}) lies outside the {width} x {height} image: the "
-            "order is fx, fy, cx, cy, and K belongs to images of this size"
-        )
-    return CameraIntrinsics(width, height, fx, fy, cx, cy)
+    return _possible(CameraIntrinsics(shape[1], shape[0], fx, fy, cx, cy))
+
+
+def _possible(camera: CameraIntrinsics) -> CameraIntrinsics:
+    if problem := camera_problem(camera):
+        raise ArgumentRefused(f"K has {problem}")
+    return camera
 
 
 def checked_pose(matrix: ArrayLike) -> NDArray[np.float64]:

@@ -14,11 +14,13 @@ from reflest_core.api.arguments import (
     ArgumentRefused,
     checked_colour,
     checked_depth,
+    checked_frame,
     checked_intrinsics,
     checked_number,
     checked_pose,
     checked_region,
     checked_stamp,
+    checked_stamp_ns,
     checked_vector,
 )
 from reflest_core.capture.camera import CameraIntrinsics
@@ -139,7 +141,8 @@ class Scanner:
         """
         colour = checked_colour(rgb)
         shape = (colour.shape[0], colour.shape[1])
-        stamp_ns = self._next_stamp_ns if stamp is None else checked_stamp(stamp)
+        next_ns = self._next_stamp_ns
+        stamp_ns = checked_stamp_ns(next_ns) if stamp is None else checked_stamp(stamp)
         self._pipeline.fuse(
             Frame(
                 stamp_ns,
@@ -158,9 +161,10 @@ class Scanner:
             frame: as the capture yields it.
 
         Raises:
+            ArgumentRefused: It is no such frame.
             FrameRefused: The frame shows nothing that can be used; the scan is as it was.
         """
-        self._pipeline.fuse(frame)
+        self._pipeline.fuse(checked_frame(frame))
         self._next_stamp_ns = frame.stamp_ns + FRAME_NS
 
     def estimate(self) -> BrdfEstimate:
@@ -213,13 +217,17 @@ class Scanner:
         check_writable(Path(path))
         self._pipeline.save(Path(path))
 
-    def load(self, path: Path | str) -> None:
+    def load(self, path: Path | str = "") -> None:
         """Go on from a saved scan; this one stays as it was if that fails.
 
         Args:
             path: a scan file.
 
         Raises:
-            ReflestError: The file is no scan or is damaged.
+            ReflestError: The file is no scan or is damaged, or no scanner was made before.
         """
+        if not isinstance(self, Scanner):
+            raise ArgumentRefused(
+                "Scanner.load needs a scanner: scanner = Scanner(), then scanner.load(path)"
+            )
         self._pipeline.load(Path(path))

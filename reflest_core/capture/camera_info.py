@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.camera import CameraIntrinsics
+from reflest_core.capture.camera_problem import camera_problem
 from reflest_core.capture.messages import CameraInfoMessage
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.capture.settings import CaptureSettings
@@ -20,8 +21,8 @@ COEFFICIENT_COUNTS = (4, 5, 8, 12, 14)
 FISHEYE_MODELS = ("equidistant", "fisheye", "kannala_brandt", "kannala_brandt4")
 FISHEYE_COUNT = 4
 
-WIDEST, LONGEST = 100.0, 1000.0
-"""Limits of a focal length: a hundredth and a thousand times the image's edge."""
+LARGEST_COEFFICIENT = 1e6
+"""Limit of a distortion coefficient; those of rational models reach thousands."""
 
 
 @dataclass(frozen=True)
@@ -71,28 +72,14 @@ def check_camera_info(
         cx=(float(cx) - left) / bin_x,
         cy=(float(cy) - top) / bin_y,
     )
-    is_finite = np.isfinite(matrix).all() and np.isfinite(intrinsics.matrix).all()
-    if not is_finite or not _is_possible(intrinsics) or skew != 0.0:
-        raise _invalid(
-            topic,
-            f"has {'P' if settings.rectified else 'K'} with fx = {fx:g}, fy = {fy:g}, "
-            f"cx = {cx:g}, cy = {cy:g}, skew = {skew:g}; focal lengths must be positive and "
-            "like the image's size, all finite and skew 0",
-        )
+    name = "P" if settings.rectified else "K"
+    if skew != 0.0:
+        raise _invalid(topic, f"has {name} with skew = {skew:g}, which must be 0")
+    if problem := camera_problem(intrinsics):
+        raise _invalid(topic, f"has {name} with {problem}", ask_to_calibrate=False)
     distortion = () if settings.rectified else _checked_distortion(info, topic)
     is_fisheye = bool(distortion) and info.distortion_model in FISHEYE_MODELS
     return CalibratedCamera(intrinsics, distortion, is_fisheye)
-
-
-def _is_possible(camera: CameraIntrinsics) -> bool:
-    """Whether focal lengths and centre are possible, for kernels divide by them."""
-    return all(
-        edge / WIDEST <= focal <= edge * LONGEST and abs(centre) <= edge * LONGEST
-        for edge, focal, centre in (
-            (camera.width, camera.fx, camera.cx),
-            (camera.height, camera.fy, camera.cy),
-        )
-    )
 
 
 def _matrix(info: CameraInfoMessage, topic: str, rectified: bool) -> NDArray[np.float64]:
@@ -108,16 +95,21 @@ def _checked_distortion(info: CameraInfoMessage, topic: str) -> tuple[float, ...
     if info.distortion_model in FISHEYE_MODELS:
         if len(info.d) < FISHEYE_COUNT or any(info.d[FISHEYE_COUNT:]):
             raise _not_applied(info, topic)
-        if not np.isfinite(info.d).all():
-            raise _invalid(topic, "has distortion coefficients that are NaN or infinite")
+        _check_coefficients(info, topic)
         return tuple(info.d[:FISHEYE_COUNT])
     if not any(info.d):  # NaN counts as present and is refused below
         return ()
     if info.distortion_model not in APPLIED_MODELS or len(info.d) not in COEFFICIENT_COUNTS:
         raise _not_applied(info, topic)
+    _check_coefficients(info, topic)
+    return tuple(info.d)
+
+
+def _check_coefficients(info: CameraInfoMessage, topic: str) -> None:
     if not np.isfinite(info.d).all():
         raise _invalid(topic, "has distortion coefficients that are NaN or infinite")
-    return tuple(info.d)
+    if np.abs(info.d).max() > LARGEST_COEFFICIENT:
+        raise _invalid(topic, f"has distortion coefficients beyond {LARGEST_COEFFICIENT:g}")
 
 
 def _not_applied(info: CameraInfoMessage, topic: str) -> FrameRefused:

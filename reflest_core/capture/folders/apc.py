@@ -29,7 +29,7 @@ from reflest_core.capture.settings import ROTATED_SCALE
 
 INFO = "cam.info.txt"
 COLOUR_TITLE = "Color camera intrinsic matrix"
-POSE_TITLE = re.compile(r"Camera-to-world .* for frame-(\d+)")
+POSE_TITLE = re.compile(r"Camera-to-world .* for frame-(\d{1,255})\b")
 
 
 def open_apc(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
@@ -45,6 +45,8 @@ def open_apc(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
     matrices = _matrices(folder / INFO)
     titles = {title: match for title in matrices if (match := POSE_TITLE.match(title))}
     poses = {int(match[1]): matrices[title] for title, match in titles.items()}
+    if wrong := [title for title in titles if matrices[title].shape != (4, 4)]:
+        raise CaptureError(f"{folder / INFO}: {wrong[0]!r} is no 4 x 4 matrix")
     colours, depths = by_number(folder, COLOUR_NAME.pattern), by_number(folder, DEPTH_NAME)
     if pinhole is None:
         if COLOUR_TITLE not in matrices:

@@ -161,8 +161,14 @@ def usual_stamp(index: int) -> int:
 
     Args:
         index: The frame's number.
+
+    Raises:
+        ValueError: It is too large for a stamp.
     """
-    return index * 10**9 // FRAME_RATE
+    stamp_ns = index * 10**9 // FRAME_RATE
+    if stamp_ns >= 2**63:
+        raise ValueError(f"frame {index} has no stamp")
+    return stamp_ns
 
 
 def numbered_frames(
@@ -173,15 +179,22 @@ def numbered_frames(
 ) -> list[FolderFrame]:
     """Make the frames of a format whose files are numbered.
 
+    Where numbers are too large to count frames (clock times), frames are stamped by their order.
+
     Args:
         colours: Colour images by their numbers.
         depths: Depth maps by their numbers.
         pose_of: Called with each frame's number for its pose, see :class:`FolderFrame`.
-        stamp_of: Called with each frame's number for its stamp, nanoseconds.
+        stamp_of: Called with each frame's number for its stamp, nanoseconds; raises ValueError for
+            a number that is too large.
     """
+    try:
+        stamps = [stamp_of(index) for index in colours]
+    except ValueError:
+        stamps = [stamp_of(place) for place in range(len(colours))]
     frames = []
-    for index, colour in colours.items():
-        stamp_ns, depth = stamp_of(index), depths.get(index)
+    for (index, colour), stamp_ns in zip(colours.items(), stamps, strict=True):
+        depth = depths.get(index)
         frames.append(
             FolderFrame(
                 stamp_ns,

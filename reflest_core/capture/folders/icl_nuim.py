@@ -65,9 +65,10 @@ def _poses(path: Path) -> dict[int, NDArray[np.float64]]:
             continue
         try:
             index, *values = (float(word) for word in words)
+            is_whole = words[0].isdecimal()  # clock times have more digits than floats
             position, quaternion = np.array(values[:3]), np.array(values[3:])
             pose = rigid_matrix(position, quaternion / np.linalg.norm(quaternion))
-            found[int(index)] = MIRROR @ pose @ MIRROR
+            found[int(words[0]) if is_whole else int(index)] = MIRROR @ pose @ MIRROR
         except UNREADABLE as error:
             raise CaptureError(f"{path}, line {number}: expected 8 numbers") from error
     return found

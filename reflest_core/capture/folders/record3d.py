@@ -17,6 +17,7 @@ import numpy as np
 
 from reflest_core.capture.folders.files import (
     FRAME_RATE,
+    MOST_SECONDS,
     UNREADABLE,
     Pinhole,
     by_number,
@@ -48,7 +49,6 @@ def open_record3d(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
     try:
         metadata: dict[str, Any] = json.loads(read_text(path))
         rate = float(metadata.get("fps") or FRAME_RATE)
-        stamp_of(len(metadata["poses"]) / rate)
         poses = [_pose(values) for values in metadata["poses"]]
         if pinhole is None:
             pinhole = pinhole_of(np.array(metadata["K"], np.float64).reshape(3, 3).T)
@@ -59,6 +59,8 @@ def open_record3d(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
     depths = by_number(place / "depth", r"(\d+)\.(?:exr|npy|png|tiff?)")
     if not colours:
         raise CaptureError(f"{place} holds no rgb/*.jpg: export a recording as EXR + RGB")
+    if not len(colours) / rate < MOST_SECONDS:
+        raise CaptureError(f"{path} gives {rate:g} frames a second: correct its fps")
     frames = numbered_frames(
         colours,
         depths,

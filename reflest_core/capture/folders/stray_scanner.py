@@ -104,13 +104,13 @@ def open_stray_scanner(folder: Path, pinhole: Pinhole | None) -> FrameFolder:
 def _rows(path: Path) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
     """Yield stamp, position and quaternion xyzw of each line."""
     reader = csv.DictReader(read_text(path).splitlines(), skipinitialspace=True)
-    for number, row in enumerate(reader, start=2):
-        try:
+    try:
+        for row in reader:
             values = {name.strip(): float(value) for name, value in row.items() if name and value}
             place = np.array([values[name] for name in ("x", "y", "z")])
             quaternion = np.array([values[name] for name in ("qx", "qy", "qz", "qw")])
             yield stamp_of(values["timestamp"]), place, quaternion
-        except UNREADABLE as error:
-            raise CaptureError(
-                f"{path}, line {number}: expected timestamp, frame, x, y, z, qx, qy, qz, qw"
-            ) from error
+    except (*UNREADABLE, csv.Error) as error:
+        raise CaptureError(
+            f"{path}, line {reader.line_num}: expected timestamp, frame, x, y, z, qx, qy, qz, qw"
+        ) from error

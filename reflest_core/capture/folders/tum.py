@@ -32,6 +32,7 @@ TUM_LISTS = {Role.RGB: "rgb.txt", Role.DEPTH: "depth.txt", Role.POSE: "groundtru
 OPENLORIS_LISTS = {**TUM_LISTS, Role.RGB: "color.txt", Role.DEPTH: "aligned_depth.txt"}
 SENSORS = "sensors.yaml"
 COLOUR_CAMERA = "d400_color_optical_frame"
+LAST_SECOND = Decimal(2**63) / 10**9
 Line = tuple[int, list[str]]
 
 
@@ -177,12 +178,13 @@ def _read_list(path: Path, columns: int) -> list[Line]:
         if not words or words[0].startswith("#"):
             continue
         try:
-            stamp_ns = int(Decimal(words[0]) * 10**9)
-        except (InvalidOperation, ValueError, OverflowError):
-            stamp_ns = -1
-        if not 0 <= stamp_ns < 2**63 or len(words) != columns:
+            seconds = Decimal(words[0])
+            is_time = 0 <= seconds < LAST_SECOND
+        except InvalidOperation:
+            is_time = False
+        if not is_time or len(words) != columns:
             raise CaptureError(f"{path}, line {number}: expected a stamp and {columns - 1} values")
-        lines.append((stamp_ns, words[1:]))
+        lines.append((int(seconds * 10**9), words[1:]))
     if not lines:
         raise CaptureError(f"{path} is empty")
     return sorted(lines, key=lambda line: line[0])

@@ -99,6 +99,10 @@ FURTHEST_LIKELY, NEAREST_LIKELY = 50.0, 0.02
 """Median depths, metres, beyond which the unit is taken to be wrong."""
 
 
+WINDOW, NEAR_DECADE = 0.05, 0.15
+"""Half edge, in edges of the image, of where depth is compared with the region's distance, and by
+which its decimal logarithm may differ from a whole number."""
+
 ROTATION_TOLERANCE = 0.05
 """By which the products of a rotation's columns may differ from those of unit vectors."""
 
@@ -197,13 +201,15 @@ def refusal_without_surface(
     elif region.shape:
         sentence = (
             f"no depth {within} lies in the region of interest: check the region's centre "
-            "and size and the pose's frame"
+            f"and size and the pose's frame{_scale_hint(frame, region)}"
         )
     elif work_radius > 0.0 and _shows_depth(frame, settings.max_depth):
         sentence = (
             f"no depth {within} lies within {work_radius:.2g} m of the scan's centre: move back to "
             "what was scanned first, raise work_radius or reset the scan"
         )
+    elif np.max(frame.depth, initial=0.0, where=np.isfinite(frame.depth)) < NEAREST_LIKELY:
+        sentence = f"no depth is {NEAREST_LIKELY:g} m or more"
     elif _shows_depth(frame, settings.max_depth):
         sentence = (
             f"no depth {within} is free of depth edges: lower fusion.depth_edge_margin, or see "
@@ -212,6 +218,30 @@ def refusal_without_surface(
     else:
         sentence = f"no depth lies {within}: raise max_depth or move closer"
     return FrameRefused(RefusalCause.NO_OVERLAP, f"{sentence}; {_depth_seen(frame)}")
+
+
+def _scale_hint(frame: Frame, region: Region) -> str:
+    """Name the depth's unit where depth over the region's distance is near a power of ten."""
+    centre = frame.T_world_camera[:3, :3].T @ (region.centre - frame.camera_centre)
+    camera, distance = frame.intrinsics, float(centre[2])
+    if not distance > 0.0:
+        return ""
+    column = camera.fx * centre[0] / distance + camera.cx
+    row = camera.fy * centre[1] / distance + camera.cy
+    reach = WINDOW * max(camera.width, camera.height)
+    low, left = (max(round(at - reach), 0) for at in (row, column))
+    high, right = (max(round(at + reach), 0) for at in (row, column))
+    depth = frame.depth[low:high, left:right]
+    known = depth[np.isfinite(depth) & (depth > 0.0)]
+    if not len(known):
+        return ""
+    decades = math.log10(float(np.median(known)) / distance)
+    if round(decades) == 0 or abs(decades - round(decades)) > NEAR_DECADE:
+        return ""
+    return (
+        f"; depth there is about {10.0 ** round(decades):g} times the region's distance of "
+        f"{distance:.3g} m: check the depth's unit (capture.depth_scale)"
+    )
 
 
 def _depth_seen(frame: Frame) -> str:

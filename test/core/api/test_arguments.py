@@ -65,6 +65,11 @@ def test_unknown_depth_becomes_zero_and_units_metres():
     assert (metres[:, 3:] == 0.5).all()
 
 
+@pytest.mark.filterwarnings("error")
+def test_depth_beyond_float32_is_unknown_without_a_warning():
+    assert not checked_depth(np.full(SHAPE, 1e300), SHAPE, None).any()
+
+
 @pytest.mark.parametrize(
     ("matrix", "sentence"),
     [
@@ -72,9 +77,13 @@ def test_unknown_depth_becomes_zero_and_units_metres():
         (np.eye(4), r"expected \(3, 3\)"),
         ((31.5, 23.5, 60.0, 61.0), "the order is fx, fy, cx, cy"),
         ((60.0, -61.0, 31.5, 23.5), "positive focal lengths"),
-        ((1e308, 61.0, 31.5, 23.5), "positive focal lengths"),
+        ((1e308, 61.0, 31.5, 23.5), "no camera has such a field of view"),
+        ((1e-3, 1e-3, 31.5, 23.5), "no camera has such a field of view"),
+        ((9e5, 9e5, 31.5, 23.5), "no camera has such a field of view"),
+        ((60.0, 61.0, 1e9, 23.5), "no camera has such a field of view"),
         ((np.nan, 61.0, 31.5, 23.5), "positive focal lengths"),
-        ((240.0, 240.0, 160.0, 120.0), "belongs to images of this size"),
+        ((240.0, 240.0, 160.0, 120.0), "an image 5 times as large"),
+        (CameraIntrinsics(64, 48, 0.0, 61.0, 31.5, 23.5), "positive focal lengths"),
         (CameraIntrinsics(320, 240, 240.0, 240.0, 160.0, 120.0), "belongs to images of 320 x 240"),
         ("K", "K is 'K': expected an array of numbers"),
         ([[60.0], [1.0, 2.0]], "expected an array of numbers"),
@@ -83,6 +92,10 @@ def test_unknown_depth_becomes_zero_and_units_metres():
 def test_a_calibration_that_cannot_be_is_refused(matrix, sentence):
     with pytest.raises(ArgumentRefused, match=sentence):
         checked_intrinsics(matrix, SHAPE)
+
+
+def test_the_principal_point_of_a_cropped_image_may_lie_outside_it():
+    assert checked_intrinsics((600.0, 600.0, -90.0, 100.0), SHAPE).cx == -90.0
 
 
 def test_all_forms_of_a_calibration_are_the_same():
@@ -122,7 +135,7 @@ def test_a_rounded_rotation_is_made_exact():
     np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-12)
 
 
-@pytest.mark.parametrize("stamp", ["a", [1.0], np.nan, 1e300])
+@pytest.mark.parametrize("stamp", ["a", [1.0], np.nan, 1e300, 9223372036.85477])
 def test_a_stamp_that_is_no_time_is_refused(stamp):
     with pytest.raises(ArgumentRefused, match=r"stamp is .*expected"):
         checked_stamp(stamp)

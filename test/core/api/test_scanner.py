@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Arrays through the Python API give the estimates of a replay, bit for bit."""
 
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
@@ -93,6 +94,21 @@ def test_a_region_is_given_by_its_radius_or_its_edges():
         _ = reflest_core.Scaner
 
 
+def test_a_stamp_or_frame_that_cannot_be_leaves_the_scan_as_it_was(frames):
+    scanner = Scanner(region=REGION)
+    with pytest.raises(ReflestError, match="frame is None: pass a frame"):
+        scanner.add_frame(None)
+    with pytest.raises(ReflestError, match="within 292 years"):
+        scanner.add_frame(replace(frames[0], stamp_ns=2**70))
+    with pytest.raises(ReflestError, match="expected nanoseconds"):
+        scanner.add_frame(replace(frames[0], stamp_ns=0.5))
+    scanner.add_frame(replace(frames[0], stamp_ns=2**63 - 10**9 - 1))
+    frame = frames[1]
+    arrays = frame.rgb, frame.depth, frame.intrinsics, frame.T_world_camera
+    with pytest.raises(ReflestError, match="within 292 years"):
+        scanner.add(*arrays)
+
+
 @pytest.mark.parametrize(
     ("make", "sentence"),
     [
@@ -105,6 +121,7 @@ def test_a_region_is_given_by_its_radius_or_its_edges():
         (lambda: Scanner(region=[0, 0, 0, 1]), r"region is \[0, 0, 0, 1\]: pass sphere"),
         (lambda: Scanner(voxel_size="5mm"), "voxel_size is '5mm'"),
         (lambda: Scanner(up="z"), "up is 'z'"),
+        (lambda: Scanner.load("scan.npz"), "needs a scanner"),
     ],
 )
 def test_an_argument_of_another_kind_is_one_sentence(make, sentence):

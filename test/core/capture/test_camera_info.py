@@ -60,6 +60,9 @@ def test_rectified_images_use_p_and_need_no_distortion():
         ({"d": PLUMB_BOB, "distortion_model": ""}, "''"),
         ({"d": PLUMB_BOB[:3], "distortion_model": "plumb_bob"}, "3 coefficients"),
         ({"d": (math.nan,) * 5, "distortion_model": "plumb_bob"}, "NaN"),
+        ({"d": (1e300, *PLUMB_BOB[1:]), "distortion_model": "plumb_bob"}, "beyond 1e+06"),
+        ({"d": (1e300, 0.0, 0.0, 0.0), "distortion_model": "equidistant"}, "beyond 1e+06"),
+        ({"k": (1e-3, 0.0, 320.0, 0.0, 1e-3, *K[5:])}, "field of view"),
     ],
 )
 def test_a_bad_field_is_refused_and_named(fields, word):

@@ -34,6 +34,12 @@ def beside_the_region():
     return next_frame(depth=np.full((120, 160), 0.9, np.float32))
 
 
+def far_from_the_region_as_in_tenths():
+    """Depth ten times as large as it is."""
+    frame = next_frame()
+    return dataclasses.replace(frame, depth=10.0 * frame.depth)
+
+
 def in_map_grid_coordinates():
     """A pose as UTM gives it, farther than the keys of voxels reach from where the scan began."""
     frame = next_frame()
@@ -70,6 +76,11 @@ def empty_mask():
         (empty_depth(), RefusalCause.DEPTH_EMPTY, "/camera/depth"),
         (nan_depth(), RefusalCause.DEPTH_EMPTY, "/camera/depth"),
         (beside_the_region(), RefusalCause.NO_OVERLAP, "region of interest"),
+        (
+            far_from_the_region_as_in_tenths(),
+            RefusalCause.NO_OVERLAP,
+            r"pose's frame; depth there is about 10 times .*capture\.depth_scale",
+        ),
         (empty_mask(), RefusalCause.NO_OVERLAP, "mask"),
         (
             in_map_grid_coordinates(),
@@ -108,6 +119,13 @@ def test_a_scan_that_begins_as_far_away_as_scans_reach_can_be_loaded(tmp_path):
     scan.save(tmp_path / "far.scan")
     loaded = Scan.load(tmp_path / "far.scan")
     assert loaded.voxel_count == scan.voxel_count > 0
+
+
+def test_depth_of_next_to_nothing_is_not_blamed_on_depth_edges():
+    scan = Scan(FusionSettings(max_depth=1.0), RegionSettings())
+    tiny = next_frame(depth=np.full((120, 160), 1e-30, np.float32))
+    with pytest.raises(FrameRefused, match=r"0\.02 m or more.*check its unit"):
+        scan.fuse(tiny)
 
 
 def test_nothing_inside_max_depth():
