@@ -135,8 +135,11 @@ class SceneEstimates:
         if joint is None:
             found = self._scaled(self._albedo(voxels, ward), ward[RHO_D])
         else:
-            # What the published gloss does not explain is albedo: together they give the colours.
-            found = self._albedo(voxels, ward)
+            # The published strength is an expected value, too high for weak gloss, and that of the
+            # joint light too low: albedo is what the mean of both does not explain.
+            as_lit = ward.copy()
+            as_lit[RHO_S] = 0.5 * (ward[RHO_S] + min(joint.gloss_of(voxels)[0], ward[RHO_S]))
+            found = self._albedo(voxels, as_lit)
             ward = physical_ward(np.concatenate([_trimmed_mean(found.rho_d), ward[RHO_S:]]))
             if stddev is not None:
                 of_gloss = GLOSS_AS_ALBEDO * stddev[RHO_S]
