@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -21,9 +22,12 @@ from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
+from numba.core import event
 from numpy.typing import DTypeLike, NDArray
+from tqdm import tqdm
 
 CACHE_VARIABLE = "NUMBA_CACHE_DIR"
+FIRST_RUN = "compiling kernels (first run after installation, a minute or two)"
 
 
 def cache_where_possible() -> None:
@@ -50,6 +54,35 @@ def cache_where_possible() -> None:
 cache_where_possible()
 
 F = TypeVar("F", bound=Callable[..., object])
+
+
+class _Announcement(event.Listener):
+    """Says once on stderr that Numba compiles; a kernel from the cache on disk is no such event."""
+
+    is_said = False
+
+    def on_start(self, event: event.Event) -> None:
+        if not self.is_said:
+            self.is_said = True
+            tqdm.write(f"reflest: {FIRST_RUN}", file=sys.stderr)
+            sys.stderr.flush()
+
+    def on_end(self, event: event.Event) -> None:
+        """Nothing is left to say."""
+
+
+_announcement = _Announcement()
+
+
+def announce_compilation() -> None:
+    """Say :data:`FIRST_RUN` on stderr when the first kernel of this process has to be compiled.
+
+    Where all of them are cached nothing is said. May be called any number of times.
+    """
+    events = cast(Any, event)
+    with contextlib.suppress(ValueError):  # it was not registered before
+        events.unregister("numba:compile", _announcement)
+    events.register("numba:compile", _announcement)
 
 
 def compiled(function: F) -> F:

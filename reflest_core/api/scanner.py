@@ -34,6 +34,7 @@ from reflest_core.export.exporter import checked_format, export_scan
 from reflest_core.export.scan_asset import AssetSettings
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.fusion.snapshot import MATERIAL_VOXELS
+from reflest_core.jit import announce_compilation
 from reflest_core.whole_file import check_writable
 
 FRAME_NS = 33_333_333
@@ -115,6 +116,7 @@ class Scanner:
             replace(base, fusion=fusion, estimation=estimation, region=chosen)
         )
         self._depth_scale = depth_scale
+        announce_compilation()
         self._next_stamp_ns = 0
 
     def add(

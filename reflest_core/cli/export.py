@@ -157,7 +157,6 @@ def _sphere(options: argparse.Namespace) -> Asset:
 
 
 def _surface(options: argparse.Namespace) -> Asset:
-    from reflest_core.estimation.pipeline import EVERY_VOXEL
     from reflest_core.export.errors import ExportError
     from reflest_core.export.exporter import check_libraries, export_scan
     from reflest_core.export.scan_asset import FACES, AssetSettings
@@ -179,7 +178,7 @@ def _surface(options: argparse.Namespace) -> Asset:
     )
     check_libraries(options.format)
     pipeline = _scanned(options)
-    found = pipeline.materials(pipeline.snapshot(EVERY_VOXEL))
+    found = pipeline.final_materials()
     return export_scan(pipeline.scan, found, options.out, options.format, settings)
 
 
@@ -191,7 +190,9 @@ def _scanned(options: argparse.Namespace) -> Pipeline:
     from reflest_core.cli.scan_settings import scan_settings
     from reflest_core.cli.source import open_source
     from reflest_core.estimation.pipeline import Pipeline
+    from reflest_core.jit import announce_compilation
 
+    announce_compilation()
     settings = scan_settings(options)
     pipeline = Pipeline(settings)
     if is_saved(options.capture):

@@ -98,8 +98,10 @@ def capture_source(options: argparse.Namespace) -> CaptureSource:
     """
     from reflest_core.cli.scan_settings import scan_settings
     from reflest_core.cli.source import open_source
+    from reflest_core.jit import announce_compilation
     from reflest_core.viewer.capture_source import CaptureSource
 
+    announce_compilation()
     settings, path = scan_settings(options), options.capture
     if is_saved(path):
         return CaptureSource(path, settings, None)

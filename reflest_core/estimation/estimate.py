@@ -25,7 +25,8 @@ UNKNOWN_RGB: Rgb = (math.nan, math.nan, math.nan)
 class EstimateStatus(enum.IntEnum):
     """How far an estimate can be trusted; the message's ``STATUS_*`` constants.
 
-    Compare with the names: OK is not 0.
+    Compare with the names: OK is not 0. Printed and formatted it is its name; ``int()`` gives the
+    number.
     """
 
     UNKNOWN = 0
@@ -37,6 +38,18 @@ class EstimateStatus(enum.IntEnum):
     INCONSISTENT_POSES = 6
     MIXED_MATERIALS = 7
     OK = 8
+
+    def __str__(self) -> str:
+        """Return the name."""
+        return self.name
+
+    def __format__(self, format_spec: str) -> str:
+        """Return the name.
+
+        Args:
+            format_spec: as of a string.
+        """
+        return format(self.name, format_spec)
 
 
 def status_from_number(number: int, schema_version: int) -> EstimateStatus:
@@ -68,7 +81,7 @@ class BrdfEstimate:
         model_id: Network and first digits of the weights' hash.
         ward_variant: A :class:`.WardVariant` by its value.
         rho_d: Diffuse albedo in [0, 1], linear sRGB (Rec. 709 primaries, D65).
-        rho_s: Specular strength, at least 0.
+        rho_s: Specular albedo, at least 0.
         alpha: Roughness, above 0.
         lab: CIE L*, a*, b* of ``rho_d``, D65, 2 degree observer.
         c: Contrast of the gloss (Eq. 2 of Kim et al. 2017).
@@ -126,7 +139,10 @@ class BrdfEstimate:
         return WardParameters(self.rho_d, self.rho_s, self.alpha, WardVariant(self.ward_variant))
 
     def to_json(self) -> dict[str, Any]:
-        """Return message field names with JSON values; NaN becomes null, the header an object."""
+        """Return message field names with JSON values; NaN becomes null, the header an object.
+
+        ``status_name`` stands beside the number of ``status``.
+        """
         record: dict[str, Any] = {
             "header": {"stamp_ns": self.stamp_ns, "frame_id": self.frame_id},
         }
@@ -134,6 +150,8 @@ class BrdfEstimate:
             if field.name in ("stamp_ns", "frame_id"):
                 continue
             record[field.name] = _json_value(getattr(self, field.name))
+            if field.name == "status":
+                record["status_name"] = self.status.name
         return record
 
 

@@ -273,6 +273,18 @@ class Pipeline:
         )
         return replace(found, materials=tuple(materials), world_frame_id=snapshot.world_frame_id)
 
+    def final_materials(self) -> MaterialMap:
+        """Estimate each material of the whole scan, from all voxels and from scratch.
+
+        Light, division and answers of earlier keyframes are forgotten, so that the map is the same
+        whether or not there were estimates before; the ids of a saved scan stay.
+
+        Raises:
+            NoEstimate: Too few voxels were observed.
+        """
+        self._memory = ScanMemory(Segmenter(self.scan.material_ids))
+        return self.materials(self.snapshot(EVERY_VOXEL))
+
     def restart_clock(self) -> None:
         """Go on with frames of any stamp, as after a clock jump; what was scanned stays."""
         self.scan.restart_clock()

@@ -19,6 +19,8 @@ EstimateWarning = tuple[EstimateStatus, str]
 _NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)")
 MOST_DIGITS = 3
 """After the point, of a share in a sentence."""
+ALPHA_UNKNOWN = "alpha cannot be determined"
+"""What the warning begins with where ``alpha`` is a prior's."""
 MOST_ERROR = 0.75
 """Photometric error that no estimate may have without a warning."""
 
@@ -90,7 +92,7 @@ def warnings_of(evidence: Evidence, settings: EstimationSettings) -> Iterator[Es
     if evidence.gloss_problem and not evidence.colours:
         yield (
             EstimateStatus.UNCERTAIN_GLOSS,
-            f"alpha cannot be determined: {evidence.gloss_problem}",
+            f"{ALPHA_UNKNOWN}: {evidence.gloss_problem}",
         )
     if evidence.photometric_error > MOST_ERROR:
         # Every voxel's albedo is fitted to its colours: what is left changes with the view.

@@ -17,7 +17,7 @@ from reflest_core.capture.refusal import CaptureError, FrameRefused
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimator import NoEstimate
 from reflest_core.estimation.material_map import MaterialMap
-from reflest_core.estimation.pipeline import EVERY_VOXEL, KeyframeSnapshot, Pipeline
+from reflest_core.estimation.pipeline import KeyframeSnapshot, Pipeline
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.export.errors import ExportError
 from reflest_core.fusion.settings import RegionSettings
@@ -211,7 +211,7 @@ class CaptureSource:
 
     def _conclude(self, scanner: Pipeline, keyframes: tuple[Keyframe, ...]) -> None:
         self._state = replace(self._state, progress="estimating from all voxels", share=0.95)
-        found = scanner.materials(scanner.snapshot(EVERY_VOXEL))
+        found = scanner.final_materials()
         scan = ShownScan.of(scanner.scan, found, self.up)
         self._done = scanner
         count = len(found.materials)

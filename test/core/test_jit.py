@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Kernels are compiled also where neither the sources nor the home can be written."""
+"""Kernels are compiled also where little can be written, and never in silence."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ import numba
 import pytest
 
 from reflest_core import jit
+
+CAPTURE = Path(__file__).parents[2] / "captures" / "glossy-red"
 
 
 @pytest.fixture
@@ -61,3 +63,84 @@ def test_a_kernel_compiles_there(tmp_path):
     )
     assert int(done.stdout) > 0
     assert list(tmp_path.glob("reflest-kernels-*/**/*.nbi"))
+
+
+KERNEL = """
+from reflest_core.jit import announce_compilation, compiled
+
+@compiled
+def one(x):
+    return x + 1
+
+@compiled
+def two(x):
+    return x + 2
+
+announce_compilation()
+announce_compilation()
+one(1), two(1)
+"""
+
+
+def test_a_compilation_is_said_once_and_kernels_from_the_cache_are_not(tmp_path):
+    script = tmp_path / "kernels.py"
+    script.write_text(KERNEL)
+    environment = {**os.environ, jit.CACHE_VARIABLE: str(tmp_path / "cache")}
+
+    def said():
+        command = [sys.executable, str(script)]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        return done.stderr.splitlines()
+
+    assert said() == [f"reflest: {jit.FIRST_RUN}"]
+    assert said() == []
+
+
+SCANNER = """
+import numpy as np
+from reflest_core import Scanner
+scanner = Scanner()
+scanner.add(
+    np.zeros((48, 64, 3), np.uint8), np.ones((48, 64)), (60.0, 60.0, 31.5, 23.5), np.eye(4)
+)
+"""
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["-m", "reflest_core.cli.main", "replay", str(CAPTURE)],
+        ["-m", "reflest_core.cli.main", "view", str(CAPTURE), "--port", "0"],
+        [
+            "-m",
+            "reflest_core.cli.main",
+            "export",
+            str(CAPTURE),
+            "--format",
+            "hdr",
+            "--out",
+            "a.hdr",
+        ],
+        ["-c", SCANNER],
+    ],
+    ids=["replay", "view", "export", "scanner"],
+)
+def test_the_first_run_says_that_it_compiles(words, tmp_path):
+    environment = {
+        **os.environ,
+        jit.CACHE_VARIABLE: str(tmp_path),
+        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+    }
+    started = subprocess.Popen(
+        [sys.executable, *words],
+        env=environment,
+        cwd=tmp_path,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        assert any(jit.FIRST_RUN in line for line in started.stderr)
+    finally:
+        started.kill()
+        started.communicate()

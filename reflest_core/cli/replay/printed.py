@@ -17,6 +17,7 @@ from reflest_core.capture.capture import Capture
 from reflest_core.capture.frame import Frame
 from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate
 from reflest_core.estimation.material_map import MaterialMap
+from reflest_core.estimation.reliability import ALPHA_UNKNOWN
 from reflest_core.estimation.settings import ReflestSettings
 from reflest_core.fusion.poses.check import PoseCheck, PoseReport
 
@@ -24,6 +25,10 @@ MOST_ROWS = 24
 """Materials that the table on the terminal shows."""
 MOST_IDS = 6
 """Ids that a warning names."""
+MOST_DIGITS = 4
+"""After the point, of a number in the table: a ten-thousandth is less than any deviation."""
+PRIOR_MARK = "*"
+"""After an ``alpha`` that the observations do not determine."""
 
 
 @dataclass
@@ -39,6 +44,7 @@ class ReplayResult:
         final: Of the whole scan.
         no_final: Why there is none.
         materials: Of the whole scan.
+        thinned_to: Voxels that ``final`` was estimated from, where they are not all of the scan.
         middle_id: Which of them ``final`` is, the one in the middle of the last view; None where a
             region or a mask says what is looked at.
         poses: How well the depth maps met.
@@ -52,6 +58,7 @@ class ReplayResult:
     final: BrdfEstimate | None = None
     no_final: str | None = None
     materials: MaterialMap | None = None
+    thinned_to: int | None = None
     middle_id: int | None = None
     poses: PoseReport = field(default_factory=lambda: PoseCheck().report)
 
@@ -71,22 +78,32 @@ def estimate_line(estimate: BrdfEstimate) -> str:
     )
 
 
-def final_lines(estimate: BrdfEstimate, middle_id: int | None = None) -> list[str]:
+def final_lines(
+    estimate: BrdfEstimate, middle_id: int | None = None, thinned_to: int | None = None
+) -> list[str]:
     """Return the final estimate in full, with deviations, units and colour spaces.
 
     Args:
         estimate: of a keyframe, or of the whole scan.
         middle_id: its material, the one in the middle of the last view; None where it is not one
             of several.
+        thinned_to: voxels that it was estimated from, where they are not all of the scan.
     """
-    middle = (
-        "  of     the material in the middle of the last view, from the voxels around it; "
-        f"id {middle_id} below is from all voxels"
-    )
+    notes = []
+    if middle_id is not None:
+        notes.append(
+            "  of     the material in the middle of the last view, from the voxels around it; "
+            f"id {middle_id} below is from all voxels"
+        )
+    elif thinned_to is not None:
+        notes.append(
+            f"  of     {thinned_to:,} voxels alone, as at keyframes; the table below is from all "
+            "voxels"
+        )
     gloss, gloss_stddev = (estimate.c, estimate.d), (estimate.c_stddev, estimate.d_stddev)
     return [
         f"final   {estimate_line(estimate)}",
-        *([] if middle_id is None else [middle]),
+        *notes,
         f"  rho_d  {_with_deviation(estimate.rho_d, estimate.rho_d_stddev, 4)}"
         "  (diffuse albedo, linear sRGB)",
         f"  rho_s  {_with_deviation((estimate.rho_s,), (estimate.rho_s_stddev,), 4)}"
@@ -121,16 +138,17 @@ def material_lines(materials: MaterialMap, is_terminal: bool = False) -> list[st
         Ward values with one standard deviation, error of the rendered colours, status; then what
         they leave out, and each kind of warning once.
     """
-    titles = ("  id", f"{'cm2':>8}", f"{'rho_d, linear sRGB':36}", f"{'rho_s':13}", f"{'alpha':13}")
+    titles = ("  id", f"{'cm2':>8}", f"{'rho_d, linear sRGB':43}", f"{'rho_s':15}", f"{'alpha':16}")
     lines = ["  ".join((*titles, "error", "status"))]
     for material in materials.materials[:MOST_ROWS]:
         found = material.estimate
+        mark = PRIOR_MARK if ALPHA_UNKNOWN in found.status_text else ""
         columns = [
             f"{material.id:4d}",
             f"{1e4 * material.area:8.1f}",
-            f"{_with_deviation(found.rho_d, found.rho_d_stddev, 2):36s}",
-            f"{_with_deviation((found.rho_s,), (found.rho_s_stddev,), 3):13s}",
-            f"{_with_deviation((found.alpha,), (found.alpha_stddev,), 3):13s}",
+            f"{_with_deviation(found.rho_d, found.rho_d_stddev, None):43s}",
+            f"{_with_deviation((found.rho_s,), (found.rho_s_stddev,), None):15s}",
+            f"{_with_deviation((found.alpha,), (found.alpha_stddev,), None) + mark:16s}",
             f"{error:5.0%}" if math.isfinite(error := material.photometric_error) else "    -",
             found.status.name,
         ]
@@ -142,6 +160,11 @@ def material_lines(materials: MaterialMap, is_terminal: bool = False) -> list[st
         lines.append(
             f"  and {len(smaller)} smaller ones, {share:.0%} of the area: "
             "--json and --materials hold all"
+        )
+    if any(ALPHA_UNKNOWN in one.estimate.status_text for one in materials.materials[:MOST_ROWS]):
+        lines.append(
+            f"  {PRIOR_MARK} alpha and its deviation are mostly the prior's: the observations "
+            "hardly determine it"
         )
     for sentence, ids in materials.warnings().items():
         lines.append(f"  id {_listed(ids)}: {sentence}")
@@ -160,12 +183,27 @@ def _colour_patch(rho_d: Sequence[float]) -> str:
     return f"  \x1b[48;2;{red};{green};{blue}m  \x1b[0m"
 
 
-def _with_deviation(values: Sequence[float], stddev: Sequence[float], digits: int) -> str:
-    """Values with one standard deviation each, where they are known."""
-    numbers = " ".join(f"{value:.{digits}f}" for value in values)
+def _with_deviation(values: Sequence[float], stddev: Sequence[float], digits: int | None) -> str:
+    """Values with one standard deviation each, where they are known.
+
+    ``digits`` follow the point; None shows two significant ones.
+    """
+
+    def listed(numbers: Sequence[float]) -> str:
+        return " ".join(
+            f"{one:.{_two_significant(one) if digits is None else digits}f}" for one in numbers
+        )
+
     if any(map(math.isnan, stddev)):
-        return numbers
-    return f"{numbers} ± {' '.join(f'{one:.{digits}f}' for one in stddev)}"
+        return listed(values)
+    return f"{listed(values)} ± {listed(stddev)}"
+
+
+def _two_significant(value: float) -> int:
+    """Digits after the point that show two significant ones, from 2 to :data:`MOST_DIGITS`."""
+    if not 0.0 < abs(value) < math.inf:
+        return 2
+    return min(max(1 - math.floor(math.log10(abs(value))), 2), MOST_DIGITS)
 
 
 def refusals_line(capture: Capture) -> str | None:

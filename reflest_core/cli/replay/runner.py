@@ -27,11 +27,12 @@ from reflest_core.cli.scan_options import is_saved
 from reflest_core.cli.scan_settings import scan_settings
 from reflest_core.cli.source import open_source
 from reflest_core.estimation.estimator import NoEstimate
-from reflest_core.estimation.pipeline import EVERY_VOXEL, Pipeline
+from reflest_core.estimation.pipeline import Pipeline
 from reflest_core.export.environment_file import export_environment, light_format
 from reflest_core.export.errors import check_suffix
 from reflest_core.export.material_ply import export_materials
 from reflest_core.fusion.scan_file import is_scan_file
+from reflest_core.jit import announce_compilation
 
 
 def replay(options: argparse.Namespace) -> None:
@@ -52,6 +53,7 @@ def replay(options: argparse.Namespace) -> None:
     if options.materials is not None:
         check_suffix(options.materials, ".ply", "ply")
     settings = scan_settings(options)
+    announce_compilation()
     capture = open_source(
         options,
         settings.capture,
@@ -131,7 +133,10 @@ def _conclude(capture: Capture, pipeline: Pipeline, result: ReplayResult) -> Non
     try:
         snapshot = pipeline.snapshot()
         result.final = pipeline.estimate(snapshot)
-        result.materials = pipeline.materials(pipeline.snapshot(EVERY_VOXEL))
+        result.materials = pipeline.final_materials()
+        estimated = snapshot.surface if snapshot.around is None else snapshot.around
+        if estimated.voxel_count < (snapshot.voxel_count or 0):
+            result.thinned_to = estimated.voxel_count
         if snapshot.middle is not None and len(result.materials.materials) > 1:
             found = result.materials.near(snapshot.middle)
             result.middle_id = None if found is None else found.id
@@ -143,7 +148,9 @@ def _report(capture: Capture, result: ReplayResult) -> None:
     notes = {"redundant": result.redundant_count, "of the light alone": result.light_count}
     counts = "".join(f", {count} of them {what}" for what, count in notes.items() if count)
     print(f"{capture.frames_seen} colour images, {result.fused_count} frames fused{counts}")
-    for line in final_lines(result.final, result.middle_id) if result.final else []:
+    for line in (
+        final_lines(result.final, result.middle_id, result.thinned_to) if result.final else []
+    ):
         print(line)
     for line in material_lines(result.materials, sys.stdout.isatty()) if result.materials else []:
         print(line)

@@ -8,6 +8,7 @@ import math
 import pytest
 
 from reflest_core.cli.main import main
+from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.fusion.scan import Scan
 from test.core.capture.recording import (
     PERIOD_NS,
@@ -91,6 +92,7 @@ def test_the_json_has_the_messages_field_names_and_null_for_unknown(final_of):
         "view_count",
         "coverage",
         "status",
+        "status_name",
         "status_text",
         "rho_d_stddev",
         "rho_s_stddev",
@@ -102,6 +104,7 @@ def test_the_json_has_the_messages_field_names_and_null_for_unknown(final_of):
         "latency",
     }
     assert final["latency"] is None
+    assert final["status_name"] == EstimateStatus(final["status"]).name
     assert final["rho_d_stddev"] == [None] * 3
     assert "±" not in printed
 
