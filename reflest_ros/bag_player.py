@@ -25,6 +25,7 @@ from rclpy.utilities import remove_ros_args
 from reflest_core.capture.formats.bag import READERS_BY_SUFFIX
 from reflest_core.capture.formats.bag_file import BagFile, BagTopic, RawMessage
 from reflest_core.capture.refusal import CaptureError
+from reflest_core.cli.parser import Parser
 from reflest_core.errors import ReflestError
 from reflest_ros.process import ignore_signals, ros_process
 
@@ -187,10 +188,12 @@ def parse_arguments(arguments: list[str]) -> argparse.Namespace:
     Args:
         arguments: the words of the command.
     """
-    parser = argparse.ArgumentParser(prog="reflest-bag-player", description=__doc__)
+    parser = Parser(prog="reflest-bag-player", description=__doc__)
     parser.add_argument("bag", type=Path, help=".mcap or .db3 file, or rosbag2 directory")
     parser.add_argument("--rate", type=float, default=1.0, help="times the recorded speed")
-    parser.add_argument("--topics", nargs="+", default=[], help="play these topics alone")
+    parser.add_argument(
+        "--topics", nargs="+", default=[], help="play these topics alone; default: all"
+    )
     parser.add_argument("--wait", type=float, default=30.0, help="seconds to wait for subscribers")
     options = parser.parse_args(arguments)
     if not options.rate > 0:

@@ -68,16 +68,15 @@ def main() -> None:
         frames = list(capture)
         for frame in frames:
             pipeline.fuse(frame)
-        snapshot = pipeline.snapshot()
-        found, shown = pipeline.materials(snapshot), frames[SHOWN]
+        found, shown = pipeline.final_materials(), frames[SHOWN]
         agreement = pipeline.poses.report.agreement
         print(f"{picture}: {len(frames)} frames, agreement {agreement:.2f}")
         for material in found.materials[:6]:
             one = material.estimate
-            rho_d = " ".join(f"{value:.2f}" for value in one.rho_d)
+            rho_d = " ".join(f"{value:.3f}" for value in one.rho_d)
             print(
                 f"| {picture} | {material.id} | {material.area * 1e4:.0f} | {rho_d} | "
-                f"{one.rho_s:.2f} ± {one.rho_s_stddev:.2f} | {one.alpha:.2f} ± "
+                f"{one.rho_s:.3f} ± {one.rho_s_stddev:.3f} | {one.alpha:.2f} ± "
                 f"{one.alpha_stddev:.2f} | {one.status.name} |"
             )
         albedo = srgb.encode(np.clip(projected(found.rho_d, found, shown), 0.0, 1.0))

@@ -33,7 +33,7 @@ def contrast(rho_d_luminance: Array, rho_s: Array) -> Array:
 
     Args:
         rho_d_luminance: (...) Rec. 709 luminance of ``rho_d``.
-        rho_s: (...) specular strength.
+        rho_s: (...) specular albedo.
 
     Returns:
         (...) ``c``.

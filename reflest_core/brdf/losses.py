@@ -79,7 +79,7 @@ def colour_constancy(rho_d: Array, rho_s: Array, foreground: Array, background: 
 
     Args:
         rho_d: (..., 3) diffuse albedo.
-        rho_s: (...) specular strength.
+        rho_s: (...) specular albedo.
         foreground: (..., W, 3) mean 8-bit colour F of each view in [0, 255]; NaN where unknown.
         background: (..., W, 3) the same for B. A view where either is NaN does not count.
 

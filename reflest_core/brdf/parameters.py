@@ -13,7 +13,7 @@ PARAMETERS = ("rho_d_r", "rho_d_g", "rho_d_b", "rho_s", "alpha")
 RHO_D = slice(0, 3)
 """Where a Ward vector holds the diffuse albedo."""
 RHO_S = 3
-"""Where a Ward vector holds the specular strength."""
+"""Where a Ward vector holds the specular albedo."""
 ALPHA = 4
 """Where a Ward vector holds the roughness."""
 
@@ -44,7 +44,7 @@ class WardParameters:
 
     Attributes:
         rho_d: Diffuse albedo, three values in [0, 1], linear sRGB (Rec. 709 primaries, D65).
-        rho_s: Specular strength, at least 0.
+        rho_s: Specular albedo, at least 0.
         alpha: Roughness, above 0.
         variant: The specular normalisation.
     """

@@ -57,7 +57,7 @@ class Parser(argparse.ArgumentParser):
         return text if example is None else f"{text}\nexample: {example}\n"
 
     def error(self, message: str) -> NoReturn:
-        """End with the usage, what is wrong, and the nearest word that would be right.
+        """End with one line: what is wrong, and the nearest word that would be right.
 
         Args:
             message: what is wrong.
@@ -69,7 +69,8 @@ class Parser(argparse.ArgumentParser):
             found = _near(choice[2], re.findall(r"'([^']*)'", choice[3]))
         elif unknown is not None:
             found = _near(unknown[1], _options(self))
-        super().error(f"{message}; did you mean {found[0]}?" if found else message)
+        hint = f"; did you mean {found[0]}?" if found else ""
+        self.exit(2, f"{self.prog}: error: {message}{hint} (see `{self.prog} --help`)\n")
 
 
 def _with_default(action: argparse.Action) -> str | None:

@@ -42,7 +42,7 @@ class ComparedParameter:
 
 NAMES = (
     ("rho_d", ("rho_d red", "rho_d green", "rho_d blue"), "diffuse albedo, linear sRGB"),
-    ("rho_s", ("rho_s",), "specular strength"),
+    ("rho_s", ("rho_s",), "specular albedo"),
     ("alpha", ("alpha",), "roughness"),
     ("lab", ("L*", "a*", "b*"), "CIE Lab of rho_d, D65"),
     ("c", ("c",), "contrast of the gloss"),

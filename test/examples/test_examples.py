@@ -38,7 +38,10 @@ def test_from_numpy_finds_the_albedo_of_its_ball(tmp_path):
 
 
 def test_from_bag_writes_the_material_and_the_light(tmp_path):
-    printed = run([EXAMPLES / "from_bag.py"], tmp_path)
+    printed = run(
+        [EXAMPLES / "from_bag.py", ROOT / "captures" / "glossy-red", tmp_path], tmp_path.parent
+    )
+    assert f"wrote {tmp_path / 'material.gltf'}" in printed
     red, green, blue = (float(v) for v in re.search(r"rho_d (\S+) (\S+) (\S+)", printed).groups())
     assert abs(red - 0.45) < 0.05
     assert max(abs(green - 0.06), abs(blue - 0.04)) < 0.02

@@ -93,7 +93,7 @@ def breakdown(record: Record) -> Lines:
         "",
         *table(["variant", *WARD_NAMES], shares),
         "",
-        "RMSE by fifths of the true specular strength, in brackets that of `alpha` alone:",
+        "RMSE by fifths of the true specular albedo, in brackets that of `alpha` alone:",
         "",
         *table(["variant", *spans], by_gloss),
         "",

@@ -14,7 +14,7 @@ from reflest_core.evaluation.statistics.accuracy import Statistics
 from reflest_core.training.data.sample import Sample
 
 GROUPS = 5
-"""Fifths of the scenes, by true specular strength."""
+"""Fifths of the scenes, by true specular albedo."""
 
 
 def break_down(
