@@ -13,11 +13,13 @@ import numpy as np
 
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.poses.agreement import DepthSample, motion
-from reflest_core.fusion.poses.conventions import Pair, likely_convention
+from reflest_core.fusion.poses.conventions import Explanation, Pair, explanation_of
+from reflest_core.fusion.poses.frozen_colours import FrozenColours
 from reflest_core.fusion.poses.jumps import JumpDetector
 
-LEAST_SHARE = 0.6
-"""Below this pairs do not meet. Right poses give .7 to 1, wrong conventions 0 to .7."""
+LEAST_SHARE, FEW_PAIRS = 0.6, 0.4
+"""Pairs do not meet where their median share is below the first less the second over the number of
+pairs. Right poses give .7 to 1, wrong conventions 0 to .7; three pairs of a right capture .5."""
 TRIED_SHARE = 0.9
 """Below this the usual conventions are tried: another may fit far better."""
 FEWEST_PAIRS = 3
@@ -89,9 +91,10 @@ class PoseCheck:
         self._out_of_sight = 0
         self._reference: DepthSample | None = None
         self._detector = JumpDetector()
+        self._frozen = FrozenColours()
         self._jumps: list[int] = []
         self._dropped = MIXED
-        self._judged: tuple[int, str] = (0, "")
+        self._judged: tuple[int, Explanation] = (0, Explanation())
 
     def add(self, frame: Frame, is_fused: bool = True) -> Frame | None:
         """Take the next frame.
@@ -106,6 +109,7 @@ class PoseCheck:
             jump, which is the one before ``frame``.
         """
         sample = DepthSample(frame)
+        self._frozen.add(frame, sample)
         jump = self._detector.add(frame, sample)
         if jump is not None:
             self._jumps.append(frame.stamp_ns)
@@ -131,6 +135,7 @@ class PoseCheck:
         """Compare the next frame with none before it, as after a jump of the clock."""
         self._reference = None
         self._detector.restart()
+        self._frozen.restart()
 
     @property
     def agreement(self) -> float:
@@ -193,8 +198,13 @@ class PoseCheck:
             self._costs.append((agreement.cost, as_ray.cost))
 
     def _problem(self, middle: float) -> str:
-        colours = self._detector.colours.problem
-        sentences = [self._convention(middle), self._ray_length(), colours, self._jump()]
+        sentences = [
+            self._convention(middle),
+            self._ray_length(),
+            self._frozen.problem,
+            self._detector.colours.problem,
+            self._jump(),
+        ]
         return "; ".join(sentence for sentence in sentences if sentence)
 
     def _convention(self, middle: float) -> str:
@@ -206,11 +216,11 @@ class PoseCheck:
             return ""
         if pairs >= RETRY * self._judged[0]:
             given = 0.0 if is_unseen else middle
-            self._judged = pairs, likely_convention(list(self._apart), given)
-        likely = self._judged[1]
+            self._judged = pairs, explanation_of(list(self._apart), given)
+        likely = self._judged[1].sentence
         if is_unseen:
             return f"frames show nothing in common under their poses: {likely}" if likely else ""
-        if not likely and middle >= LEAST_SHARE:
+        if not self._judged[1].is_found and middle >= LEAST_SHARE - FEW_PAIRS / len(self._shares):
             return ""
         advice = likely or (
             "check the frame whose pose is given, the unit of depth, the intrinsics and the stamps"

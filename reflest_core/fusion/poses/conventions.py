@@ -20,7 +20,13 @@ GOOD_SHARE = 0.75
 """A convention fits where pairs agree to this share under it."""
 GAIN = 0.15
 """It is named where it raises the share by at least this much."""
-SCALES = (1000.0, 100.0, 10.0, 5.0, 4.0, 3.28084, 2.5, 2.0, 1.6, 1.25)
+FACTOR_SHARE, FACTOR_PAIRS, FACTOR_MARGIN = 0.9, 4, 0.05
+"""A factor near one makes many wrong depth maps meet better than they did. It fits where every one
+of so many pairs agrees to this share, as under right poses; and is named where it exceeds every
+explanation of another kind by this margin."""
+NEAR_FACTOR = 4.0
+"""Factors up to this one are near one. Units are further apart."""
+SCALES = (1000.0, 100.0, 10.0, 5.0, 4.0, 3.28084, 2.5, 2.0, 1.6, 1.25, 1.1)
 """Factors between units, and some in between for trackers of unknown scale."""
 FOCAL_SCALES = (4.0, 3.0, 2.0, 1.5, 1.333)
 """Between the resolutions that cameras offer."""
@@ -41,11 +47,19 @@ class Convention:
         sentence: What the poses or the depth seem to be, and what to change.
         pose: From a pose as it came, (4, 4), to the optical frame's ``T_world_camera``.
         focal: Factor on the focal lengths.
+        scale: Factor on the positions.
     """
 
     sentence: str
     pose: Callable[[Matrix], Matrix]
     focal: float = 1.0
+    scale: float = 1.0
+
+    @property
+    def is_near_factor(self) -> bool:
+        """Whether it differs from the given capture by a factor near one alone."""
+        factor = self.focal * self.scale
+        return factor != 1.0 and 1.0 / NEAR_FACTOR <= factor <= NEAR_FACTOR
 
 
 def _inverse(pose: Matrix) -> Matrix:
@@ -116,6 +130,7 @@ def _conventions() -> Iterator[Convention]:
                 f"{fits} fit the depth; check the tracker's unit (metres are wanted) and "
                 "capture.depth_scale",
                 _scaled(factor),
+                scale=factor,
             )
     for scale in FOCAL_SCALES:
         for factor, fits in ((scale, "longer"), (1 / scale, "shorter")):
@@ -136,26 +151,59 @@ def _transposed(pose: Matrix) -> Matrix:
 CONVENTIONS = tuple(_conventions())
 
 
-def likely_convention(pairs: Sequence[Pair], given: float) -> str:
-    """Return the sentence of the convention under which the pairs meet, or "".
+@dataclass(frozen=True)
+class Explanation:
+    """What the conventions say of pairs that do not meet.
+
+    Attributes:
+        is_found: Whether pairs meet far better under some convention.
+        sentence: That convention's, or "" where several of different kinds fit about as well.
+    """
+
+    is_found: bool = False
+    sentence: str = ""
+
+
+def explanation_of(pairs: Sequence[Pair], given: float) -> Explanation:
+    """Find the convention under which pairs meet.
 
     Args:
         pairs: An earlier and a later frame each.
         given: Share of agreement under the poses as they came.
 
     Returns:
-        The best convention's sentence, where it explains the pairs; else "".
+        What is found.
     """
-    best, sentence = max(GOOD_SHARE, given + GAIN), ""
-    for convention in CONVENTIONS:
-        shares = sorted(
-            agreement.share
-            for earlier, later in pairs
-            if (agreement := _under(convention, earlier, later)).is_known
-        )
-        if 2 * len(shares) > len(pairs) and shares[len(shares) // 2] > best:
-            best, sentence = shares[len(shares) // 2], convention.sentence
-    return sentence
+    fits = [
+        (convention, shares)
+        for convention in CONVENTIONS
+        if (shares := _shares(convention, pairs)) and _fits(convention, shares, given)
+    ]
+    if not fits:
+        return Explanation()
+    best, best_shares = max(fits, key=lambda fit: _median(fit[1]))
+    if best.is_near_factor:
+        others = (shares[0] for one, shares in fits if (one.focal == 1.0) != (best.focal == 1.0))
+        if max(others, default=0.0) > best_shares[0] - FACTOR_MARGIN:
+            return Explanation(is_found=True)
+    return Explanation(True, best.sentence)
+
+
+def _shares(convention: Convention, pairs: Sequence[Pair]) -> list[float]:
+    """The shares of the pairs in sight of each other under a convention, rising; [] if too few."""
+    found = (_under(convention, earlier, later) for earlier, later in pairs)
+    shares = sorted(agreement.share for agreement in found if agreement.is_known)
+    return shares if 2 * len(shares) > len(pairs) else []
+
+
+def _fits(convention: Convention, shares: list[float], given: float) -> bool:
+    if convention.is_near_factor and (len(shares) < FACTOR_PAIRS or shares[0] < FACTOR_SHARE):
+        return False
+    return _median(shares) > max(GOOD_SHARE, given + GAIN)
+
+
+def _median(rising: list[float]) -> float:
+    return rising[len(rising) // 2]
 
 
 def _under(convention: Convention, earlier: DepthSample, later: DepthSample) -> Agreement:

@@ -14,6 +14,8 @@ from reflest_core.fusion.poses.agreement import DepthSample
 from reflest_core.fusion.poses.check import PoseCheck
 from reflest_core.fusion.poses.conventions import OPTICAL_IN_BODY, OPTICAL_IN_OPENGL
 
+COARSE = 0.016
+"""Relative standard deviation of coarse depth."""
 MIRROR = np.diag([1.0, -1.0, 1.0, 1.0])
 
 
@@ -21,6 +23,12 @@ MIRROR = np.diag([1.0, -1.0, 1.0, 1.0])
 def frames():
     """Every second frame of the project's own capture, about 10 degrees apart."""
     return list(open_capture("captures/glossy-red"))[:50:2]
+
+
+@pytest.fixture(scope="module")
+def every_frame():
+    """The project's own capture."""
+    return list(open_capture("captures/glossy-red"))
 
 
 def placed(frames, convention):
@@ -106,6 +114,63 @@ def test_focal_lengths_of_another_resolution_are_named(frames, factor, words):
     assert words in problem
 
 
+def jittered(frames, seed=0):
+    """Poses off by .29 degrees and 3 mm an axis, differently in each frame."""
+    noise = np.random.default_rng(seed)
+    return placed(
+        frames,
+        lambda pose: (
+            pose
+            @ rigid_matrix(
+                noise.normal(0.0, 0.003, 3), np.append(noise.normal(0.0, 0.005, 3) / 2.0, 1.0)
+            )
+        ),
+    )
+
+
+def late(frames, by=3):
+    return [
+        replace(frame, T_world_camera=frames[max(index - by, 0)].T_world_camera)
+        for index, frame in enumerate(frames)
+    ]
+
+
+def test_positions_a_tenth_too_short_are_not_laid_to_the_focal_lengths(every_frame):
+    problem = report_of(placed(every_frame, lambda pose: scaled(pose, 0.9))).problem
+    assert "positions 1.1 times longer" in problem
+    assert "focal" not in problem
+
+
+def test_late_poses_are_a_problem_without_a_named_cause(every_frame):
+    problem = report_of(late(every_frame)).problem
+    assert "check the frame whose pose is given" in problem
+    assert "focal" not in problem
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("stride", [1, 2, 3])
+def test_jitter_of_poses_is_not_laid_to_the_focal_lengths(every_frame, stride, seed):
+    assert "focal" not in report_of(jittered(every_frame, seed)[::stride]).problem
+
+
+def test_three_poor_pairs_of_a_right_capture_are_no_problem(frames):
+    """Depth too coarse for the tolerance: agreement .5 to .6 from three pairs, as of an arm."""
+    noise = np.random.default_rng(4)
+    coarse = [
+        replace(
+            frame,
+            depth=(frame.depth * noise.normal(1.0, COARSE, frame.depth.shape)).astype(np.float32),
+        )
+        for frame in frames
+    ]
+    few, all_of_them = report_of(coarse[:4]), report_of(coarse)
+    assert few.pairs == 3
+    assert 0.5 < few.agreement < 0.58
+    assert few.problem == ""
+    assert all_of_them.pairs > 8
+    assert "of the depth of frames meets" in all_of_them.problem
+
+
 def test_poses_without_any_convention_still_have_a_problem(frames):
     noise = np.random.default_rng(3)
     astray = placed(frames, lambda pose: pose @ moved(*noise.normal(0.0, 0.1, 3)))
@@ -175,7 +240,10 @@ def test_what_is_masked_away_may_move_as_it_likes(frames):
 
 def test_diagnostics_ask_for_the_agreement_without_trying_conventions(frames, monkeypatch):
     tried = []
-    monkeypatch.setattr(check_module, "likely_convention", lambda *_: tried.append(1) or "")
+    found = check_module.explanation_of
+    monkeypatch.setattr(
+        check_module, "explanation_of", lambda *given: tried.append(1) or found(*given)
+    )
     check = PoseCheck()
     for frame in placed(frames, np.linalg.inv):
         check.add(frame)
