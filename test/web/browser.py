@@ -130,7 +130,10 @@ def still(page, is_wanted):
     return seen[-1]
 
 
+def screenshot(page):
+    """What the page shows now, (H, W, 3) sRGB."""
+    return cv2.imdecode(np.frombuffer(page.screenshot(), np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
+
+
 def _middle(page):
-    content = np.frombuffer(page.screenshot(), np.uint8)
-    picture = cv2.imdecode(content, cv2.IMREAD_COLOR)[..., ::-1]
-    return picture[150:, 330:950].astype(float)
+    return screenshot(page)[150:, 330:950].astype(float)
