@@ -22,7 +22,7 @@ from reflest_core.surface.surface_sample import SurfaceSample, sampled
 from reflest_core.surface.thinning import thinned
 from reflest_core.surface.voxel_choice import choose_voxels
 
-SHADED, SAMPLED = 512, 192
+SHADED, SAMPLED = 512, 384
 """Voxels whose diffuse colours the light is inferred from; those whose observations give gloss."""
 TRAINED = 96
 """Voxels whose observations gave gloss when lightnet was trained."""
