@@ -276,8 +276,7 @@ class Pipeline:
     def final_materials(self) -> MaterialMap:
         """Estimate each material of the whole scan, from all voxels and from scratch.
 
-        Light, division and answers of earlier keyframes are forgotten, so that the map is the same
-        whether or not there were estimates before; the ids of a saved scan stay.
+        The map does not depend on earlier estimates; the ids of a saved scan stay.
 
         Raises:
             NoEstimate: Too few voxels were observed.
@@ -299,18 +298,12 @@ class Pipeline:
         """
         if region != self.scan.region_settings:
             self.scan.set_region(region)
-            self._memory = ScanMemory()
-            self.keyframes.reset()
-            self.poses = PoseCheck()
-            self._last_pose = None
+            self._begin(ScanMemory())
 
     def reset(self) -> None:
         """Forget everything that was scanned."""
         self.scan.reset()
-        self._memory = ScanMemory()
-        self.keyframes.reset()
-        self.poses = PoseCheck()
-        self._last_pose = None
+        self._begin(ScanMemory())
 
     def save(self, path: Path) -> None:
         """Write volume, store and views to one file, whole or not at all.
@@ -356,10 +349,13 @@ class Pipeline:
             scan: It belongs to this scanner from now on.
         """
         self.scan = scan
-        self._memory = ScanMemory(Segmenter(scan.material_ids))
+        self.scan.restart_clock()
+        self._begin(ScanMemory(Segmenter(scan.material_ids)))
+
+    def _begin(self, memory: ScanMemory) -> None:
+        self._memory, self._last_pose = memory, None
+        self.keyframes.reset()
         self.poses = PoseCheck()
-        self.restart_clock()
-        self._last_pose = None
 
     def prepare_estimation(self, estimation: EstimationSettings) -> Callable[[], None]:
         """Load what other estimation settings need; nothing changes yet.

@@ -14,6 +14,12 @@ from test.core.surfaces import sphere_surface
 from test.core.weight_files import untrained_lightnet
 
 
+@pytest.fixture(autouse=True)
+def _libraries_of_now():
+    """Other tests may have loaded a BLAS after the libraries were looked for."""
+    _blas_libraries.cache_clear()
+
+
 def blas_threads():
     return {
         library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"
