@@ -30,7 +30,7 @@ def evaluate(
 
     Args:
         rho_d: (..., 3) diffuse albedo, linear sRGB.
-        rho_s: (...) specular strength.
+        rho_s: (...) specular albedo.
         alpha: (...) roughness.
         omega_i: (..., 3) unit directions of incidence, local frame.
         omega_o: (..., 3) unit directions to the camera, local frame.
@@ -55,7 +55,7 @@ def specular(
     """Evaluate the specular lobe alone.
 
     Args:
-        rho_s: (...) specular strength.
+        rho_s: (...) specular albedo.
         alpha: (...) roughness.
         omega_i: (..., 3) unit directions of incidence, local frame.
         omega_o: (..., 3) unit directions to the camera, local frame.

@@ -27,7 +27,7 @@ class SceneSummary:
         view_pattern: How the views are spread.
         rho_d: Linear sRGB, of the dominant material.
         luminance: Rec. 709, of ``rho_d``.
-        rho_s: Specular strength.
+        rho_s: Specular albedo.
         alpha: Roughness.
         contrast: ``c`` of the paper's Eq. 2.
         exposure: Factor from radiance to the sensor's white.

@@ -190,7 +190,7 @@ def specular_share(rho_d: NDArray[np.float64], rho_s: NDArray[np.float64]) -> ND
 
     Args:
         rho_d: (N, 3) diffuse albedo.
-        rho_s: (N,) specular strength.
+        rho_s: (N,) specular albedo.
 
     Returns:
         (N,) in [0, 1].

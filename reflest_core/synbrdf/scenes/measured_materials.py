@@ -39,7 +39,7 @@ class Family:
         share: Of all materials.
         albedo: Largest channel of ``rho_d``, linear.
         saturation: Of ``rho_d`` in HSV, drawn evenly.
-        rho_s: Specular strength.
+        rho_s: Specular albedo.
         alpha: Roughness.
     """
 

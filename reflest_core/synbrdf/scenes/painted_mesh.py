@@ -53,7 +53,7 @@ class PaintedMesh:
 
     @property
     def rho_s(self) -> NDArray[np.float32]:
-        """(F,) specular strength of each face."""
+        """(F,) specular albedo of each face."""
         values = [material.ward.rho_s for material in self.materials]
         return np.array(values, np.float32)[self.material_of_face]
 

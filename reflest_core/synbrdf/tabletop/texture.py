@@ -73,7 +73,7 @@ def draw_texture(
         rng: random numbers; the same state draws the same.
         materials: what its second colour is drawn from.
         axes: (3, 3) axes of the pattern, in rows.
-        rho_s: specular strength of the material.
+        rho_s: specular albedo of the material.
     """
     kind = KINDS[int(rng.integers(len(KINDS)))]
     cell = TEXEL * int(rng.integers(round(CELLS[0] / TEXEL), round(CELLS[1] / TEXEL) + 1))
