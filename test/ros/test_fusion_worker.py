@@ -30,21 +30,34 @@ def crash_is_failure(error):
 
 
 @pytest.fixture
-def fusion():
-    """A worker that is not started yet, with room for 8 messages; its assembler; its keyframes."""
+def new_worker():
+    """Make a worker that is not started yet, by default with room for 8 messages."""
+    workers = []
+
+    def make(assembler=None, pipeline=None, on_keyframe=lambda _: None, queue_size=8):
+        worker = FusionWorker(
+            assembler or FrameAssembler(CaptureSettings()),
+            pipeline or Pipeline(ReflestSettings()),
+            on_keyframe,
+            crash_is_failure,
+            queue_size=queue_size,
+            settle_after=0.05,
+        )
+        workers.append(worker)
+        return worker
+
+    yield make
+    for worker in workers:
+        worker.stop()
+
+
+@pytest.fixture
+def fusion(new_worker):
+    """A worker, its assembler and its keyframes."""
     settings = ReflestSettings.from_values({"fusion": {"voxel_size": 0.02}})
     assembler = FrameAssembler(CaptureSettings())
     keyframes = []
-    worker = FusionWorker(
-        assembler,
-        Pipeline(settings),
-        keyframes.append,
-        crash_is_failure,
-        queue_size=8,
-        settle_after=0.05,
-    )
-    yield worker, assembler, keyframes
-    worker.stop()
+    return new_worker(assembler, Pipeline(settings), keyframes.append), assembler, keyframes
 
 
 def offer(worker, view):
@@ -66,21 +79,13 @@ def test_what_finds_no_room_is_dropped_counted_and_said(fusion):
     assert keyframes[0].snapshot.stamp_ns == next(views(1)).stamp_ns
 
 
-def test_a_keyframe_is_handed_on_before_anything_is_counted():
+def test_a_keyframe_is_handed_on_before_anything_is_counted(new_worker):
     voxels = []
-    worker = FusionWorker(
-        FrameAssembler(CaptureSettings()),
-        Pipeline(ReflestSettings()),
-        lambda _: voxels.append(worker.counts.voxels),
-        crash_is_failure,
-        queue_size=8,
-        settle_after=0.05,
-    )
+    worker = new_worker(on_keyframe=lambda _: voxels.append(worker.counts.voxels))
     offer(worker, next(views(1)))
     worker.start()
     assert worker.call(lambda: worker.counts.voxels).result(PATIENCE) > 0
     assert voxels == [0]
-    worker.stop()
 
 
 def test_a_job_runs_after_what_came_before_it_and_its_error_reaches_the_caller(fusion):
@@ -95,19 +100,12 @@ def test_a_job_runs_after_what_came_before_it_and_its_error_reaches_the_caller(f
     assert worker.call(lambda: "alive").result(PATIENCE) == "alive"
 
 
-def test_an_image_without_partners_is_decided_when_messages_stop():
+def test_an_image_without_partners_is_decided_when_messages_stop(new_worker):
     refused = threading.Event()
     assembler = FrameAssembler(
         CaptureSettings(), on_refusal=lambda refusal, is_first: refused.set()
     )
-    worker = FusionWorker(
-        assembler,
-        Pipeline(ReflestSettings()),
-        lambda _: None,
-        crash_is_failure,
-        queue_size=8,
-        settle_after=0.05,
-    )
+    worker = new_worker(assembler)
     first, second = views(2)
     offer(worker, first)
     worker.offer(Role.RGB, core_messages.image_message(rgb_message(second)))
@@ -118,16 +116,8 @@ def test_an_image_without_partners_is_decided_when_messages_stop():
     assert assembler.refusals.counts.total() == 1
 
 
-def test_a_job_that_waits_when_the_worker_stops_is_answered():
-    settings = ReflestSettings()
-    worker = FusionWorker(
-        FrameAssembler(CaptureSettings()),
-        Pipeline(settings),
-        lambda _: None,
-        crash_is_failure,
-        queue_size=8,
-        settle_after=0.05,
-    )
+def test_a_job_that_waits_when_the_worker_stops_is_answered(new_worker):
+    worker = new_worker()
     blocked, release = threading.Event(), threading.Event()
 
     def block():
@@ -168,15 +158,8 @@ class SlowPipeline:
         return getattr(self._scanner, name)
 
 
-def test_a_request_is_answered_soon_while_more_comes_than_can_be_fused():
-    worker = FusionWorker(
-        FrameAssembler(CaptureSettings()),
-        SlowPipeline(SLOW),
-        lambda _: None,
-        crash_is_failure,
-        queue_size=400,
-        settle_after=0.05,
-    )
+def test_a_request_is_answered_soon_while_more_comes_than_can_be_fused(new_worker):
+    worker = new_worker(pipeline=SlowPipeline(SLOW), queue_size=400)
     start = next(views(1)).stamp_ns
     known = list(views(12))
     is_over = threading.Event()
@@ -200,23 +183,14 @@ def test_a_request_is_answered_soon_while_more_comes_than_can_be_fused():
     finally:
         is_over.set()
         feeding.join()
-        worker.stop()
 
 
-def test_a_request_waits_for_everything_when_nothing_more_comes():
-    worker = FusionWorker(
-        FrameAssembler(CaptureSettings()),
-        SlowPipeline(SLOW),
-        lambda _: None,
-        crash_is_failure,
-        queue_size=400,
-        settle_after=0.05,
-    )
+def test_a_request_waits_for_everything_when_nothing_more_comes(new_worker):
+    worker = new_worker(pipeline=SlowPipeline(SLOW), queue_size=400)
     for view in views(12):
         offer(worker, view)
     worker.start()
     assert worker.call(lambda: worker.counts.fused).result(PATIENCE) == 12
-    worker.stop()
 
 
 def test_a_reset_drops_and_counts_what_waits(fusion):
