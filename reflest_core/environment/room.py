@@ -18,6 +18,7 @@ from reflest_core.light.equirectangular import equirectangular_directions, radia
 from reflest_core.light.known_light import NAME, KnownLight, KnownLightError
 from reflest_core.light.light_map import SIZE
 from reflest_core.light.octahedral import octahedral_directions, octahedral_texels
+from reflest_core.surface.upright import rotation_about_z
 
 PANORAMAS = (".hdr", ".exr")
 """Suffixes of images of all directions."""
@@ -109,27 +110,13 @@ class Room:
         Returns:
             The light in the world frame.
         """
-        directions = turned(octahedral_directions(SAMPLES * SIZE).reshape(-1, 3), -turn)
+        directions = octahedral_directions(SAMPLES * SIZE).reshape(-1, 3)
+        directions = np.asarray(directions @ rotation_about_z(-turn).T, np.float32)
         known = self.is_known[..., None].astype(np.float32)
         fine = radiance_from(np.concatenate([self.radiance * known, known], axis=-1), directions)
         sums = fine.reshape(SIZE, SAMPLES, SIZE, SAMPLES, 4).sum(axis=(1, 3))
         mean = sums[..., :3] / np.maximum(sums[..., 3:], np.float32(1e-6))
         return KnownLight(mean, sums[..., 3] >= LEAST_KNOWN * SAMPLES**2, self.warning)
-
-
-def turned(directions: NDArray[np.floating], angle: float) -> NDArray[np.float32]:
-    """Turn directions about the vertical.
-
-    Args:
-        directions: (R, 3).
-        angle: Radians, counterclockwise from above.
-
-    Returns:
-        (R, 3) float32.
-    """
-    cosine, sine = np.cos(angle), np.sin(angle)
-    turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-    return np.asarray(directions @ turn.T, np.float32)
 
 
 def _panorama(path: Path) -> Room:

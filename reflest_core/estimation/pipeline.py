@@ -24,7 +24,7 @@ from reflest_core.estimation.material_map import MaterialMap
 from reflest_core.estimation.scan_memory import ScanMemory
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.fusion.frames.region import Region
-from reflest_core.fusion.frames.sight import check_pose
+from reflest_core.fusion.frames.sight import check_frame_pose
 from reflest_core.fusion.fused_frame import FusedFrame
 from reflest_core.fusion.keyframe import KeyframePolicy
 from reflest_core.fusion.poses.check import PoseCheck, PoseReport
@@ -146,7 +146,7 @@ class Pipeline:
         except FrameRefused as refusal:
             if refusal.cause not in MISPLACED:
                 raise
-            check_pose(frame)  # a pose that is none says nothing of a jump
+            check_frame_pose(frame)  # a pose that is none says nothing of a jump
             after_jump = self.poses.add(frame, is_fused=False)
             if after_jump is None or self.settings.fusion.on_jump == "keep":
                 raise

@@ -9,11 +9,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from reflest_core.capture import warm_up as capture
+from reflest_core.capture.camera import CameraIntrinsics
+from reflest_core.capture.images.decode import decode_depth
+from reflest_core.capture.images.depth_registration import register_depth
+from reflest_core.capture.images.rvl import decode_rvl
+from reflest_core.capture.messages import ImageMessage
+from reflest_core.capture.settings import CaptureSettings
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.scan_memory import ScanMemory
 from reflest_core.estimation.settings import EstimationSettings
-from reflest_core.fusion import warm_up as fusion
+from reflest_core.fusion.warm_up import warm_up as warm_up_fusion
 from reflest_core.light.light_map import SIZE, LightMap
 from reflest_core.light.octahedral import octahedral_directions
 from reflest_core.models.registry import shipped_models
@@ -31,12 +36,21 @@ def warm_up(estimator: Estimator, is_divided: bool = True) -> None:
         estimator: with the network that will be used.
         is_divided: also what divides a scan into materials, as one without a region is.
     """
-    capture.warm_up()
-    fusion.warm_up()
+    _warm_up_capture()
+    warm_up_fusion()
     wall = _wall_of_two_colours()
     estimator.estimate(wall, 0, "")
     if is_divided:
         estimator.segmented_materials(wall, ScanMemory(), 0, "")
+
+
+def _warm_up_capture() -> None:
+    """Run capture's kernels once, and fill the table of metres of the default depth unit."""
+    pixel = CameraIntrinsics(width=1, height=1, fx=1.0, fy=1.0, cx=0.0, cy=0.0)
+    register_depth(np.ones((1, 1), np.float32), pixel, np.eye(4), pixel)
+    decode_rvl(bytes(4), 1, 1)
+    depth = ImageMessage(0, "", 1, 1, "16UC1", False, 2, bytes(2))
+    decode_depth(depth, "", CaptureSettings().depth_unit())
 
 
 def _wall_of_two_colours() -> ObservedSurface:

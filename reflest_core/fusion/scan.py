@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,18 +18,22 @@ from reflest_core.fusion.frames.background_light import (
     sampling_step,
     without_holes,
 )
-from reflest_core.fusion.frames.foreground import classify_pixels
-from reflest_core.fusion.frames.region import RegionShape
-from reflest_core.fusion.frames.view_middle import view_middle
+from reflest_core.fusion.frames.foreground import (
+    FramePixels,
+    classify_pixels,
+    foreground_background_means,
+)
+from reflest_core.fusion.frames.region import Region, RegionShape
 from reflest_core.fusion.frames.visibility import visible_voxels
 from reflest_core.fusion.frames.window import cropped, object_window
+from reflest_core.fusion.frames.work_sphere import WorkSphere, view_middle
 from reflest_core.fusion.fused_frame import FusedFrame
-from reflest_core.fusion.observations.colour_statistics import foreground_background_means
 from reflest_core.fusion.observations.exposure import surface_shifts
 from reflest_core.fusion.observations.redundancy import WELL_KNOWN_SHARE, known_frame
 from reflest_core.fusion.poses.disagreement import contradicted_blocks
 from reflest_core.fusion.scan_state import ScanState
 from reflest_core.fusion.snapshot import MOST_VOXELS, observed_surface
+from reflest_core.fusion.tsdf.volume import SurfaceUpdate
 from reflest_core.light.exposure_gain import may_share_view
 from reflest_core.surface.observed_surface import ObservedSurface
 
@@ -37,6 +42,21 @@ FAR = 100.0
 own, for float32 holds no hundredths of a millimetre there, and keys of voxels end at 5 km."""
 NEW_SURFACE_SHARE = 0.2
 """A frame near a stored view is a new view if more than this share of what it sees is new."""
+
+
+@dataclass(frozen=True)
+class SeenVoxels:
+    """Surface voxels that a view truly sees.
+
+    Attributes:
+        rows: (R,) int64, their rows in the store.
+        positions: (R, 3) float32, metres.
+        colours: (R, 3) uint8 sRGB, what the view saw of them.
+    """
+
+    rows: NDArray[np.int64]
+    positions: NDArray[np.float32]
+    colours: NDArray[np.uint8]
 
 
 class Scan(ScanState):
@@ -58,96 +78,138 @@ class Scan(ScanState):
             FrameRefused: ``TIME_BACKWARDS``, ``POSE_INVALID``, ``DEPTH_EMPTY`` or ``NO_OVERLAP``;
                 nothing has changed.
         """
-        sight.check_stamp(frame, self._clock_ns)
-        sight.check_pose(frame)
-        if self.frame_number == 0:
-            self._set_origin(_origin_near(frame.camera_centre))
-        frame = frame.relative_to(self.origin)
-        sight.check_reach(frame, self.fusion)
-        whole, sphere, region = frame, self.work_sphere, self.region
-        if self._is_scene(frame):
-            sphere = sphere.updated(frame, self.fusion)
-            region = sphere.region(self.fusion)
-        window = object_window(frame, region)
+        whole = self._placed(frame)
+        sphere, region = self._extent(whole)
+        window = object_window(whole, region)
         frame = cropped(whole, window)
         pixels = classify_pixels(frame, region, self.fusion)
         shows_surface = pixels.farthest > 0.0
         if not shows_surface and not self._looks_away(whole):
             radius = self.work_sphere.radius(self.fusion) if self.work_sphere.frames else 0.0
             raise sight.refusal_without_surface(whole, self.region, self.fusion, radius)
-        is_foreground = np.zeros(whole.depth.shape, np.bool_)
-        is_foreground[window.slices] = pixels.foreground
         self.last_stamp_ns = self._clock_ns = frame.stamp_ns
         self.frame_id, self.world_frame_id = frame.frame_id, frame.world_frame_id
         if not shows_surface:
             return self._fuse_light(whole)
         self.work_sphere = sphere
         self.middle = view_middle(whole, self.fusion.max_depth) if self._is_scene(whole) else None
-        foreground, background = foreground_background_means(whole.rgb, is_foreground)
-        fused = FusedFrame(frame.stamp_ns, frame.frame_id, foreground, background)
+        is_foreground = np.zeros(whole.depth.shape, np.bool_)
+        is_foreground[window.slices] = pixels.foreground
+        means = foreground_background_means(whole.rgb, is_foreground)
+        fused = FusedFrame(frame.stamp_ns, frame.frame_id, *means)
         if self.unchecked_until >= 0:
             self._drop_contradicted(frame)
+
+        # What a near view showed already brings its depth alone, or nothing.
         known = known_frame(
             frame, pixels, self.store, self.views, self.fusion.voxel_size, self.fusion.view_spacing
         )
         if known is not None and self.views.frames[known.view] >= self.fusion.frames_per_view:
             return dataclasses.replace(fused, view=known.view, is_redundant=True)
         self.frame_number += 1
-        # The surface: fuse the depth, then renew what the store knows of the blocks it changed.
-        threads = self.fusion.threads
-        near, erased = self.volume.allocate(frame, pixels, self.frame_number)
-        self.store.remove(erased)
-        in_sight = self.volume.in_sight(near, frame, self.fusion.max_depth, self.frame_number)
-        changed = self.volume.integrate(in_sight, frame, pixels, self.frame_number, threads)
-        fused = dataclasses.replace(
-            fused, blocks_projected=len(in_sight), blocks_changed=len(changed)
-        )
+        changed, fused = self._integrate_depth(frame, pixels, fused)
         if known is not None and known.share >= WELL_KNOWN_SHARE:
             self.views.frames[known.view] += 1
             return dataclasses.replace(fused, view=known.view)
+
+        surface, rows_of_surface = self._extract_surface(changed)
+        seen, fused = self._find_visible(frame, pixels, surface, rows_of_surface, fused)
+        if len(surface.positions):
+            self._add_light(whole, is_foreground, surface.positions, seen)
+        return self._keep_observations(frame, seen, fused)
+
+    def _placed(self, frame: Frame) -> Frame:
+        """Check stamp and pose, and turn a frame from the world into the scan's coordinates."""
+        sight.check_stamp(frame, self._clock_ns)
+        sight.check_frame_pose(frame)
+        if self.frame_number == 0:
+            self._set_origin(_origin_near(frame.camera_centre))
+        frame = frame.relative_to(self.origin)
+        sight.check_reach(frame, self.fusion)
+        return frame
+
+    def _extent(self, frame: Frame) -> tuple[WorkSphere, Region]:
+        """The work sphere as the frame changes it, and the region that is scanned."""
+        if not self._is_scene(frame):
+            return self.work_sphere, self.region
+        sphere = self.work_sphere.updated(frame, self.fusion)
+        return sphere, sphere.region(self.fusion)
+
+    def _integrate_depth(
+        self, frame: Frame, pixels: FramePixels, fused: FusedFrame
+    ) -> tuple[NDArray[np.int64], FusedFrame]:
+        """Fuse the depth into the TSDF; returns the blocks that it changed, and the counts."""
+        near, erased = self.volume.allocate(frame, pixels, self.frame_number)
+        self.store.remove(erased)
+        in_sight = self.volume.in_sight(near, frame, self.fusion.max_depth, self.frame_number)
+        changed = self.volume.integrate(
+            in_sight, frame, pixels, self.frame_number, self.fusion.threads
+        )
+        return changed, dataclasses.replace(
+            fused, blocks_projected=len(in_sight), blocks_changed=len(changed)
+        )
+
+    def _extract_surface(
+        self, changed: NDArray[np.int64]
+    ) -> tuple[SurfaceUpdate, NDArray[np.int64]]:
+        """Find the surface voxels in changed blocks, and renew what the store knows of them.
+
+        Returns the surface and its rows in the store, negative where a voxel has none.
+        """
+        threads = self.fusion.threads
         surface = self.volume.extract(changed, threads)
         self.store.move(surface.left, surface.left_to)
-        stored = self.store.find(surface.keys, threads)
-        self.store.refresh(stored, surface.positions, surface.normals, threads)
+        rows = self.store.find(surface.keys, threads)
+        self.store.refresh(rows, surface.positions, surface.normals, threads)
+        return surface, rows
 
-        # The observations: a row for each voxel that this view truly sees, then its colour.
+    def _find_visible(
+        self,
+        frame: Frame,
+        pixels: FramePixels,
+        surface: SurfaceUpdate,
+        rows_of_surface: NDArray[np.int64],
+        fused: FusedFrame,
+    ) -> tuple[SeenVoxels, FusedFrame]:
+        """Find the voxels that the view truly sees, with a row in the store for each."""
         seen, colours = visible_voxels(
-            surface.positions, surface.normals, frame, pixels, self.fusion, threads
+            surface.positions, surface.normals, frame, pixels, self.fusion, self.fusion.threads
         )
         positions = surface.positions[seen]
         rows = self.store.claim(
-            surface.keys[seen], stored[seen], positions, surface.normals[seen], self.frame_number
+            surface.keys[seen],
+            rows_of_surface[seen],
+            positions,
+            surface.normals[seen],
+            self.frame_number,
         )
         has_row = rows >= 0
         if not has_row.all():
             rows, colours, positions = rows[has_row], colours[has_row], positions[has_row]
-        if len(surface.positions):
-            self._add_light(whole, is_foreground, surface.positions, rows, colours)
-        view, is_new_view, kept = None, False, 0
-        if len(rows):
-            near = self.views.near(
-                frame.camera_centre,
-                sight.KnownSurface(positions).centre,
-                self.fusion.view_spacing,
-            )
-            unseen = self.store.unseen_from(rows, near, threads)
-            is_new_view = (
-                len(near) == 0
-                or bool(unseen.mean() > NEW_SURFACE_SHARE)
-                or not may_share_view(self.light.gain, float(self.views.gains[near[0]]))
-            )
-            view = self._add_view(frame, foreground, background) if is_new_view else int(near[0])
-            self.views.frames[view] += 1
-            kept = self.store.observe(
-                rows[unseen], colours[unseen], view, self.views.centres, threads
-            )
+        return SeenVoxels(rows, positions, colours), dataclasses.replace(
+            fused, surface_voxels=len(surface.keys), voxels_seen=len(seen)
+        )
+
+    def _keep_observations(self, frame: Frame, seen: SeenVoxels, fused: FusedFrame) -> FusedFrame:
+        """Keep a colour of each seen voxel that no stored view near this one has observed."""
+        if not len(seen.rows):
+            return fused
+        threads = self.fusion.threads
+        centre = sight.KnownSurface(seen.positions).centre
+        near = self.views.near(frame.camera_centre, centre, self.fusion.view_spacing)
+        unseen = self.store.unseen_from(seen.rows, near, threads)
+        is_new_view = (
+            len(near) == 0
+            or bool(unseen.mean() > NEW_SURFACE_SHARE)
+            or not may_share_view(self.light.gain, float(self.views.gains[near[0]]))
+        )
+        view = self._add_view(frame, fused) if is_new_view else int(near[0])
+        self.views.frames[view] += 1
+        kept = self.store.observe(
+            seen.rows[unseen], seen.colours[unseen], view, self.views.centres, threads
+        )
         return dataclasses.replace(
-            fused,
-            view=view,
-            is_new_view=is_new_view,
-            surface_voxels=len(surface.keys),
-            voxels_seen=len(seen),
-            observations_kept=kept,
+            fused, view=view, is_new_view=is_new_view, observations_kept=kept
         )
 
     def check_after_jump(self, frames: Sequence[Frame]) -> None:
@@ -179,8 +241,7 @@ class Scan(ScanState):
         frame: Frame,
         is_foreground: NDArray[np.bool_],
         positions: NDArray[np.float32],
-        rows: NDArray[np.int64],
-        colours: NDArray[np.uint8],
+        seen: SeenVoxels,
     ) -> None:
         """Add the background's colours, in the directions in which the surface sees them.
 
@@ -188,15 +249,16 @@ class Scan(ScanState):
             frame: The whole frame.
             is_foreground: (H, W) pixels on the scanned surface.
             positions: (V, 3) surface voxels of the changed blocks.
-            rows: (R,) rows of the store that the frame sees.
-            colours: (R, 3) 8-bit sRGB, their colours in this frame.
+            seen: What the frame sees.
         """
         centre, radius = self._light_centre(frame, sight.KnownSurface(positions))
         if self._is_scene(frame):
             is_foreground = without_holes(frame.depth, is_foreground, sampling_step(frame))
         self.light.add_frame(
             *background_pixels(frame, is_foreground, frame.depth, centre, radius),
-            lambda: surface_shifts(self.store, self.views, rows, colours, frame.camera_centre),
+            lambda: surface_shifts(
+                self.store, self.views, seen.rows, seen.colours, frame.camera_centre
+            ),
         )
 
     def _light_centre(
@@ -254,18 +316,17 @@ class Scan(ScanState):
     def _known_surface(self) -> sight.KnownSurface:
         return sight.KnownSurface.of(self.store.rows.positions[: self.store.count])
 
-    def _add_view(
-        self,
-        frame: Frame,
-        foreground: NDArray[np.float32],
-        background: NDArray[np.float32],
-    ) -> int:
+    def _add_view(self, frame: Frame, fused: FusedFrame) -> int:
         if self.views.is_full:
             oldest = self.views.oldest()
             self.store.drop_views(oldest)
             self.views.forget(oldest)
         return self.views.put(
-            frame.camera_centre, foreground, background, frame.stamp_ns, self.light.gain
+            frame.camera_centre,
+            fused.foreground,
+            fused.background,
+            frame.stamp_ns,
+            self.light.gain,
         )
 
 

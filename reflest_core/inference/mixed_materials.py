@@ -17,16 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from reflest_core.brdf.lab import rgb_to_lab
+from reflest_core.brdf.apparent_albedo import albedo_to_lab, apparent_albedo
 from reflest_core.inference.light import SceneLight
 from reflest_core.inference.transport.irradiance import weighted_radiance
 from reflest_core.jit import compiled
 from reflest_core.light.completion import RADIANCE
 
 ROUNDS = 20
-LIGHTNESS = 0.5
-"""Weight of L beside a and b: the light's errors are mostly of brightness."""
-HIGHEST_ALBEDO, LEAST_IRRADIANCE = 1.5, 1e-3
 NEIGHBOURS = 6
 FEWEST = 50
 """Voxels, with fewer of which nothing is said."""
@@ -107,9 +104,8 @@ def two_albedos(
     """
     if len(positions) < FEWEST:
         return None
-    albedo = colours / np.maximum(irradiance, np.float32(LEAST_IRRADIANCE))
-    lab = rgb_to_lab(np.clip(albedo.astype(np.float64), 0.0, HIGHEST_ALBEDO))
-    lab[:, 0] *= LIGHTNESS
+    albedo = apparent_albedo(colours, irradiance)
+    lab = albedo_to_lab(albedo)
     centred = lab - lab.mean(axis=0)
     axis = np.linalg.svd(centred, full_matrices=False)[2][0]
     in_second, means, scatter = _divided(lab, centred @ axis > 0.0)

@@ -67,7 +67,7 @@ def render_lobe(
         (size, size, 3) linear radiance.
     """
     normals = sphere_normals(size)
-    frames = _local_frames(normals)
+    frames = local_frames(normals)
     omega_o = np.einsum("pij,j->pi", frames, TOWARDS_CAMERA)[:, None]
     shifts = np.random.default_rng(0).random((len(normals), 1, 2))
     radiance = np.array(diffuse)
@@ -116,7 +116,7 @@ def render_lamp(
     Returns:
         (size, size, 3) linear radiance.
     """
-    frames = _local_frames(sphere_normals(size))
+    frames = local_frames(sphere_normals(size))
     towards_light = np.array(direction) / np.linalg.norm(direction)
     omega_i = np.einsum("pij,j->pi", frames, towards_light)
     omega_o = np.einsum("pij,j->pi", frames, TOWARDS_CAMERA)
@@ -183,8 +183,15 @@ def _background_directions(size: int) -> NDArray[np.float64]:
     return directions
 
 
-def _local_frames(normals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(P, 3, 3) rotations from world to local frames with +z on the normal."""
+def local_frames(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Make a local frame at each of P normals.
+
+    Args:
+        normals: (P, 3) unit.
+
+    Returns:
+        (P, 3, 3) rotations from the world to frames with +z on the normal.
+    """
     helper = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]])
     tangent = np.cross(helper, normals)
     tangent /= np.linalg.norm(tangent, axis=-1, keepdims=True)

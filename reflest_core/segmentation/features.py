@@ -9,18 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.brdf.lab import rgb_to_lab
+from reflest_core.brdf.apparent_albedo import albedo_to_lab, apparent_albedo
 from reflest_core.jit import compiled, kernel_array
 from reflest_core.segmentation.statistics import VoxelColours
 
-LIGHTNESS = 0.5
-"""Weight of L beside a and b: the light's errors are mostly of brightness."""
 CONTRAST = 15.0
 """Units of Lab for a factor e between bright and dark views."""
-HIGHEST_ALBEDO = 1.5
-"""Ratios of colour to irradiance are held here, where the light was underestimated."""
-LEAST_IRRADIANCE = 1e-3
-"""``E / pi`` in units of the sensor's white."""
 ROUNDS, SHARPNESS, BEND = 2, 4.0, 0.5
 """Of the smoothing over neighbours: how often, and the distances in feature space and between unit
 normals at which a neighbour loses its weight."""
@@ -61,9 +55,7 @@ def voxel_features(
     Returns:
         Features of voxels and pairs.
     """
-    albedo = colours.low / np.maximum(irradiance, np.float32(LEAST_IRRADIANCE))
-    lab = rgb_to_lab(np.minimum(albedo.astype(np.float64), HIGHEST_ALBEDO))
-    lab[:, 0] *= LIGHTNESS
+    lab = albedo_to_lab(apparent_albedo(colours.low, irradiance))
     rough = np.concatenate([lab, CONTRAST * colours.contrast[:, None]], axis=1)
     values, differences = _smoothed_and_compared(
         kernel_array(positions, np.float32),

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.brdf.apparent_albedo import LIGHTNESS
 from reflest_core.brdf.lab import rgb_to_lab
 from reflest_core.inference.gloss.gloss_fit import EVIDENCE, GlossFit
 from reflest_core.inference.joint_light import JointLight
@@ -19,7 +20,6 @@ from reflest_core.inference.transport.ward_lobe import ROUGHNESSES
 from reflest_core.light.completion import RADIANCE, LightPyramid, complete
 from reflest_core.light.light_map import ObservedLight
 from reflest_core.segmentation.adjacency import neighbour_pairs
-from reflest_core.segmentation.features import LIGHTNESS
 from reflest_core.segmentation.groups import Borders, gloss_groups
 from reflest_core.segmentation.identity import MaterialIds
 from reflest_core.segmentation.segments import COARSE, FINE, SegmentSize, segment

@@ -4,15 +4,16 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
+
+from reflest_core.jit import compiled
 
 _NEARLY_VERTICAL = 1e-6
 """Below this squared length the projection of world up says nothing; world x takes its place."""
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled
 def tangent_frame(normal: NDArray[np.float32]) -> tuple[float, ...]:
     """Return the tangent and bitangent of a normal; a kernel.
 

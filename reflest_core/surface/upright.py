@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Worlds that do not have z up, turned so that they do: light comes mostly from above."""
+"""Rotations that keep to the vertical, and worlds turned so that they have z up."""
 
 from __future__ import annotations
 
@@ -50,3 +50,16 @@ def rotation_to_z(direction: ArrayLike) -> NDArray[np.float64]:
     reflect_up = 2 * np.outer(up, up) - np.eye(3)
     rotation: NDArray[np.float64] = reflect_middle @ reflect_up
     return rotation
+
+
+def rotation_about_z(angle: float) -> NDArray[np.float64]:
+    """The rotation about the vertical.
+
+    Args:
+        angle: radians, counterclockwise from above.
+
+    Returns:
+        (3, 3) rotation.
+    """
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])

@@ -22,7 +22,6 @@ from reflest_core.viewer.lights import Light
 from reflest_core.viewer.material_card import material_card, with_deviation
 from reflest_core.viewer.next_views import Suggestion, next_views, unseen_light
 from reflest_core.viewer.panel import WAITING, Panel, text
-from reflest_core.viewer.picking import vertex_under
 from reflest_core.viewer.shading import Shading, displayed
 from reflest_core.viewer.shown_scan import ShownScan
 from reflest_core.viewer.source import Outcome, ScanSource, SourceState
@@ -149,7 +148,7 @@ class Page:
         scan = self._state.scan
         if scan is None:
             return
-        hit = vertex_under(scan, np.array(event.ray_origin), np.array(event.ray_direction))
+        hit = scan.vertex_under(np.array(event.ray_origin), np.array(event.ray_direction))
         self._vertex, self._clicked = (None, None) if hit is None else hit
         self._want("card", "arrows")
 

@@ -26,6 +26,8 @@ NORMALS_WIDTH, SAME_SIDE = 1.2, 0.5
 """Of the Gaussian that normals are averaged by, in voxels; their least cosine to the mesh's."""
 NO_MATERIAL = 0
 """Id of what belongs to none."""
+PARALLEL = 1e-12
+"""Of a determinant below which a ray runs along a triangle."""
 
 
 @dataclass(frozen=True)
@@ -193,6 +195,41 @@ class ShownScan:
             vertex: its index.
         """
         return self.found.material(int(self.material_ids[vertex]))
+
+    def vertex_under(
+        self, origin: NDArray[np.floating], direction: NDArray[np.floating]
+    ) -> tuple[int, NDArray[np.float64]] | None:
+        """Find where a ray first meets the surface (Moeller and Trumbore 1997).
+
+        Args:
+            origin: (3,) world frame, metres.
+            direction: (3,) any length but 0.
+
+        Returns:
+            The nearest vertex there and the (3,) point; None where the ray meets nothing.
+        """
+        origin, direction = np.asarray(origin, np.float64), np.asarray(direction, np.float64)
+        corner, second, third = (
+            self.vertices[self.faces[:, k]].astype(np.float64) for k in range(3)
+        )
+        edge, other = second - corner, third - corner
+        across = np.cross(direction, other)
+        determinant = np.einsum("fc,fc->f", edge, across)
+        is_flat = np.abs(determinant) < PARALLEL
+        scale = 1.0 / np.where(is_flat, 1.0, determinant)
+        away = origin - corner
+        u = np.einsum("fc,fc->f", away, across) * scale
+        turned = np.cross(away, edge)
+        v = turned @ direction * scale
+        distance = np.einsum("fc,fc->f", other, turned) * scale
+        is_hit = ~is_flat & (u >= 0) & (v >= 0) & (u + v <= 1) & (distance > 0)
+        if not is_hit.any():
+            return None
+        face = int(np.argmin(np.where(is_hit, distance, np.inf)))
+        point = origin + distance[face] * direction
+        corners = self.faces[face]
+        nearest = np.linalg.norm(self.vertices[corners] - point, axis=1).argmin()
+        return int(corners[nearest]), point
 
 
 def _shown(

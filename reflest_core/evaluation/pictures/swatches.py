@@ -21,13 +21,13 @@ from reflest_core.brdf.sampling import sample_specular, specular_weight
 from reflest_core.evaluation.pictures.rendered_shapes import Shape
 from reflest_core.light.equirectangular import nearest_radiance
 from reflest_core.rendering.environments import irradiance
+from reflest_core.rendering.sphere import TOWARDS_CAMERA, local_frames
 from reflest_core.synbrdf.scenes.exposure import auto_exposure
 
 ALPHAS = np.geomspace(0.001, 0.5, 32)
 """The ladder of roughnesses."""
 STRATA = 12
 """On each side: 144 directions in each pixel."""
-TOWARDS_CAMERA = np.array([0.0, -1.0, 0.0])
 WHITE_POINT = 0.9
 """sRGB-linear value of a white matt surface that faces the point light."""
 
@@ -82,7 +82,7 @@ class EnvironmentSwatch:
             light: The environment's name.
             radiance: (H, 2 H, 3) linear, see :mod:`reflest_core.light.equirectangular`.
         """
-        frames = _local_frames(shape.normals)
+        frames = local_frames(shape.normals)
         omega_o = np.einsum("pij,j->pi", frames, TOWARDS_CAMERA)[:, None]
         edge = np.arange(STRATA) / STRATA
         corners = np.stack(np.meshgrid(edge, edge, indexing="ij"), -1).reshape(1, -1, 2)
@@ -138,7 +138,7 @@ class PointLightSwatch:
             light: The lamp's name.
             direction: (3,) unit, towards the lamp.
         """
-        frames = _local_frames(shape.normals)
+        frames = local_frames(shape.normals)
         omega_i, omega_o = (
             np.einsum("pij,j->pi", frames, towards) for towards in (direction, TOWARDS_CAMERA)
         )
@@ -165,11 +165,3 @@ def _picture(shape: Shape, radiance: NDArray[np.float64]) -> Picture:
     image = np.zeros((*shape.inside.shape, 3))
     image[shape.inside] = srgb.encode(radiance)
     return image
-
-
-def _local_frames(normals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(P, 3, 3) rotations from world to local frames with +z on the normal."""
-    helper = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]])
-    tangent = np.cross(helper, normals)
-    tangent /= np.linalg.norm(tangent, axis=-1, keepdims=True)
-    return np.stack([tangent, np.cross(normals, tangent), normals], axis=1)

@@ -107,7 +107,7 @@ ROTATION_TOLERANCE = 0.05
 """By which the products of a rotation's columns may differ from those of unit vectors."""
 
 
-def check_pose(frame: Frame) -> None:
+def check_frame_pose(frame: Frame) -> None:
     """Refuse a frame whose pose is none, or farther from the world's origin than scans reach.
 
     Args:

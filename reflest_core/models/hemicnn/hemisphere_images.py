@@ -4,10 +4,10 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.jit import compiled
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.tangent_frame import tangent_frame
 
@@ -50,7 +50,7 @@ def hemisphere_images(
     return images
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled
 def _fill(
     positions: NDArray[np.float32],
     normals: NDArray[np.float32],

@@ -9,6 +9,7 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.surface.upright import rotation_about_z
 from reflest_core.synbrdf.room.furnishing import (
     Stage,
     draw_furniture,
@@ -48,9 +49,7 @@ def draw_room(
         outside: Lat-long map (H, 2 H, 3), what windows show.
         has_table: Whether there may be a table under the object.
     """
-    angle = rng.uniform(0.0, 2.0 * np.pi)
-    cosine, sine = np.cos(angle), np.sin(angle)
-    rotation = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    rotation = rotation_about_z(rng.uniform(0.0, 2.0 * np.pi))
     stage = Stage(poses[:, :3, 3] @ rotation, 0.5 * mesh.diameter, float(mesh.vertices[:, 2].min()))
     box = draw_walls(rng, stage)
     walls, table = painted(rng, box), draw_table(rng, box, stage)

@@ -10,7 +10,7 @@ import OpenEXR
 import pytest
 
 from reflest_core.environment.known_rooms import KnownRooms, read_known_light
-from reflest_core.environment.room import Room, turned
+from reflest_core.environment.room import Room
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.light import rgbe
@@ -18,9 +18,14 @@ from reflest_core.light.equirectangular import equirectangular_directions
 from reflest_core.light.known_light import KnownLight, KnownLightError
 from reflest_core.light.light_map import SIZE, ObservedLight
 from reflest_core.light.octahedral import octahedral_directions
+from reflest_core.surface.upright import rotation_about_z
 
 HEIGHT = 64
 SEEDS = range(6)
+
+
+def turned(directions, angle):
+    return np.float32(directions @ rotation_about_z(angle).T)
 
 
 def brightness(seed, directions):

@@ -5,6 +5,8 @@
 import dataclasses
 import importlib
 import pkgutil
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -24,6 +26,17 @@ from test.core.lit_surfaces import lit
 from test.core.lit_table import lit_table
 from test.core.surfaces import sphere_surface
 from test.core.weight_files import untrained_lightnet
+
+SCRIPT = """
+from reflest_core.capture.images import decode
+from reflest_core.capture.settings import CaptureSettings
+from reflest_core.estimation.warm_up import _warm_up_capture
+_warm_up_capture()
+before = decode._metres_by_unit.cache_info()
+decode._metres_by_unit(CaptureSettings().depth_unit(), False)
+after = decode._metres_by_unit.cache_info()
+assert (after.misses, after.hits) == (before.misses, before.hits + 1)
+"""
 
 
 def compiled_versions():
@@ -62,3 +75,8 @@ def test_no_kernel_is_compiled_afterwards(model, tmp_path):
     assert compiled_versions() == before
     assert before["reflest_core.surface.voxel_choice._k_centre_clusters"] == 1
     assert before["reflest_core.light.turned_light._turn"] == 1
+
+
+def test_the_table_of_metres_is_filled():
+    """In a process of its own, where no other test has filled it."""
+    subprocess.run([sys.executable, "-c", SCRIPT], check=True)

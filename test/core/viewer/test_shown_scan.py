@@ -12,7 +12,6 @@ from reflest_core.brdf import srgb
 from reflest_core.rendering.voxel_colours import observed_colours
 from reflest_core.viewer.colour_modes import VIRIDIS, ColourMode, coloured, mapped, modes_of
 from reflest_core.viewer.next_views import next_views
-from reflest_core.viewer.picking import vertex_under
 from reflest_core.viewer.shown_scan import NO_MATERIAL, ShownScan
 from test.core.export.scanned_ball import RADIUS, RED_ID, STRIPED_ID, VOXEL, scanned_ball
 
@@ -53,15 +52,15 @@ def test_the_mesh_of_voxels_alone_is_the_ball_in_the_observed_colours(shown):
 
 
 def test_a_ray_finds_the_near_side(shown):
-    vertex, point = vertex_under(shown, np.array([1.0, 0.0, 0.03]), np.array([-2.0, 0.0, 0.0]))
+    vertex, point = shown.vertex_under(np.array([1.0, 0.0, 0.03]), np.array([-2.0, 0.0, 0.0]))
     assert point[0] == pytest.approx(np.sqrt(RADIUS**2 - 0.03**2), abs=VOXEL)
     assert np.linalg.norm(shown.vertices[vertex] - point) < 2 * VOXEL
     assert shown.material_at(vertex).id == RED_ID
 
 
 def test_a_ray_past_the_surface_finds_nothing(shown):
-    assert vertex_under(shown, np.array([1.0, 0.0, 0.5]), np.array([-1.0, 0.0, 0.0])) is None
-    assert vertex_under(shown, np.array([1.0, 0.0, 0.0]), np.array([1.0, 0.0, 0.0])) is None
+    assert shown.vertex_under(np.array([1.0, 0.0, 0.5]), np.array([-1.0, 0.0, 0.0])) is None
+    assert shown.vertex_under(np.array([1.0, 0.0, 0.0]), np.array([1.0, 0.0, 0.0])) is None
 
 
 def test_the_albedo_is_the_colour_of_the_material(shown):

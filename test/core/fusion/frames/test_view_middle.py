@@ -8,7 +8,7 @@ import numpy as np
 
 from reflest_core.capture.camera import CameraIntrinsics
 from reflest_core.capture.frame import Frame
-from reflest_core.fusion.frames.view_middle import view_middle
+from reflest_core.fusion.frames.work_sphere import view_middle
 
 CAMERA = CameraIntrinsics(width=81, height=61, fx=50.0, fy=50.0, cx=30.0, cy=20.0)
 POSE = np.eye(4)
