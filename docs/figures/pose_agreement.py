@@ -20,6 +20,8 @@ from reflest_core.fusion.poses.check import PoseCheck
 from reflest_core.fusion.poses.conventions import OPTICAL_IN_BODY
 
 Pose = NDArray[np.float64]
+Rgb = NDArray[np.uint8]
+Fault = Callable[[list[Frame]], list[Frame]]
 MIRROR = np.diag([1.0, -1.0, 1.0, 1.0])
 JUMP = 0.06
 """Metres that the tracker jumps by, along x and z each over the root of two."""
@@ -31,16 +33,47 @@ MISTAKES: dict[str, Callable[[Pose], Pose]] = {
 }
 
 
-def _focal_doubled(frames: list[Frame]) -> list[Frame]:
-    return [
-        replace(
-            frame,
-            intrinsics=replace(
-                frame.intrinsics, fx=2.0 * frame.intrinsics.fx, fy=2.0 * frame.intrinsics.fy
-            ),
-        )
-        for frame in frames
+def _seen_by(focal: float = 1.0, right: float = 0.0) -> Fault:
+    """Focal lengths times a factor, and a centre moved by pixels."""
+
+    def fault(frames: list[Frame]) -> list[Frame]:
+        found = []
+        for frame in frames:
+            camera = frame.intrinsics
+            camera = replace(
+                camera, fx=focal * camera.fx, fy=focal * camera.fy, cx=camera.cx + right
+            )
+            found.append(replace(frame, intrinsics=camera))
+        return found
+
+    return fault
+
+
+def _late(by: int) -> Fault:
+    """Colours of so many frames before."""
+    return lambda frames: [
+        replace(frame, rgb=other.rgb)
+        for frame, other in zip(frames[by:], frames[:-by], strict=True)
     ]
+
+
+def _reversed(frames: list[Frame]) -> list[Frame]:
+    pairs = zip(frames, reversed(frames), strict=True)
+    return [replace(frame, rgb=other.rgb) for frame, other in pairs]
+
+
+def _changed(change: Callable[[Rgb], Rgb]) -> Fault:
+    return lambda frames: [
+        replace(frame, rgb=np.ascontiguousarray(change(frame.rgb))) for frame in frames
+    ]
+
+
+def _wider(rgb: Rgb) -> Rgb:
+    """The middle three quarters, enlarged."""
+    height, width = rgb.shape[:2]
+    rows = np.round(0.75 * (np.arange(height) - height / 2) + height / 2).astype(int)
+    columns = np.round(0.75 * (np.arange(width) - width / 2) + width / 2).astype(int)
+    return rgb[np.ix_(rows, columns)]
 
 
 def _shuffled(frames: list[Frame]) -> list[Frame]:
@@ -55,8 +88,15 @@ def _linear(frames: list[Frame]) -> list[Frame]:
     ]
 
 
-FAULTS: dict[str, Callable[[list[Frame]], list[Frame]]] = {
-    "focal lengths doubled": _focal_doubled,
+FAULTS: dict[str, Fault] = {
+    **{f"focal lengths x {focal}": _seen_by(focal) for focal in (0.75, 0.85, 1.15, 1.5, 2.0)},
+    "centre 10 pixels to the right": _seen_by(right=10.0),
+    **{f"colours {by} frames late": _late(by) for by in (1, 2, 3, 5)},
+    "colours reversed": _reversed,
+    "colours upside down": _changed(lambda rgb: rgb[::-1]),
+    "colours mirrored": _changed(lambda rgb: rgb[:, ::-1]),
+    "colours 10 pixels to the right": _changed(lambda rgb: np.roll(rgb, 10, axis=1)),
+    "colours enlarged by a third": _changed(_wider),
     "colours of other frames": _shuffled,
     "linear colours": _linear,
 }
@@ -107,7 +147,8 @@ def _print(what: str, frames: list[Frame]) -> None:
     report = check.report
     print(
         f"{what}: {report.agreement:.2f} ({report.worst:.2f}), colours "
-        f"{report.colour_agreement:.2f}: {report.problem or 'no problem'}"
+        f"{report.colour_agreement:.2f}: "
+        f"{report.problem or report.warning or 'no problem'}"
     )
 
 

@@ -50,7 +50,12 @@ def write_report(path: Path, capture: Capture, pipeline: Pipeline, result: Repla
         f"{pipeline.scan.voxel_count:,} voxels of {1000 * scan.voxel_size:g} mm, "
         f"{pipeline.scan.view_count} views, {count} material{'' if count == 1 else 's'}"
     )
-    warnings = [result.poses.problem, refusals_line(capture), capture.damage]
+    warnings = [
+        result.poses.problem,
+        result.poses.warning,
+        refusals_line(capture),
+        capture.damage,
+    ]
     page = report(
         scan,
         Path(capture.name).name or capture.name,

@@ -156,8 +156,8 @@ def _report(capture: Capture, result: ReplayResult) -> None:
         print(line)
     if refused := refusals_line(capture):
         _say(refused)
-    if capture.damage:
-        _say(f"warning: {capture.damage}")
+    for warning in filter(None, (result.poses.warning, capture.damage)):
+        _say(f"warning: {warning}")
 
 
 def _warn_of_refusal(refusal: FrameRefused, is_first: bool) -> None:

@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Watches a scan's poses: whether frames meet, jumps of the tracker, depth along rays, colours."""
+"""Watches a scan's frames: whether depth and colours meet under their poses and intrinsics."""
 
 from __future__ import annotations
 
@@ -13,9 +13,11 @@ import numpy as np
 
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.poses.agreement import DepthSample, motion
+from reflest_core.fusion.poses.calibration import CalibrationCheck
 from reflest_core.fusion.poses.conventions import Explanation, Pair, explanation_of
 from reflest_core.fusion.poses.frozen_colours import FrozenColours
 from reflest_core.fusion.poses.jumps import JumpDetector
+from reflest_core.fusion.poses.registration import RegistrationCheck
 
 LEAST_SHARE, FEW_PAIRS = 0.6, 0.4
 """Pairs do not meet where their median share is below the first less the second over the number of
@@ -58,6 +60,7 @@ class PoseReport:
             their depth meets; NaN where nothing has texture.
         jumps: Jumps of the tracker since the scan began.
         problem: A sentence that says what is wrong and what to change, or "".
+        warning: A sentence that says what may be wrong and what to check, or "".
     """
 
     pairs: int
@@ -66,9 +69,10 @@ class PoseReport:
     colour_agreement: float
     jumps: int
     problem: str
+    warning: str = ""
 
     def to_json(self) -> dict[str, Any]:
-        """Return the fields by name; null for NaN and for no problem."""
+        """Return the fields by name; null for NaN, no problem and no warning."""
         return {
             "pairs": self.pairs,
             "agreement": None if math.isnan(self.agreement) else self.agreement,
@@ -78,6 +82,7 @@ class PoseReport:
             ),
             "jumps": self.jumps,
             "problem": self.problem or None,
+            "warning": self.warning or None,
         }
 
 
@@ -92,6 +97,8 @@ class PoseCheck:
         self._reference: DepthSample | None = None
         self._detector = JumpDetector()
         self._frozen = FrozenColours()
+        self._registration = RegistrationCheck()
+        self._calibration = CalibrationCheck()
         self._jumps: list[int] = []
         self._dropped = MIXED
         self._judged: tuple[int, Explanation] = (0, Explanation())
@@ -110,11 +117,12 @@ class PoseCheck:
         """
         sample = DepthSample(frame)
         self._frozen.add(frame, sample)
+        self._registration.add(frame)
         jump = self._detector.add(frame, sample)
         if jump is not None:
             self._jumps.append(frame.stamp_ns)
             self._dropped = MIXED
-            self._reference = jump[1]
+            self._refer_to(jump[1], is_after_jump=True)
         if is_fused:
             self._judge_pair(sample)
         return None if jump is None else jump[0]
@@ -136,6 +144,8 @@ class PoseCheck:
         self._reference = None
         self._detector.restart()
         self._frozen.restart()
+        self._registration.restart()
+        self._calibration.restart()
 
     @property
     def agreement(self) -> float:
@@ -163,6 +173,8 @@ class PoseCheck:
         That may take a while: for the thread that calls :meth:`add`.
         """
         middle = self.agreement
+        self._registration.judge()
+        self._calibration.judge()
         return PoseReport(
             len(self._shares),
             middle,
@@ -170,20 +182,28 @@ class PoseCheck:
             self.colour_agreement,
             len(self._jumps),
             self._problem(middle),
+            self._registration.warning,
         )
+
+    def _refer_to(self, sample: DepthSample, is_after_jump: bool = False) -> None:
+        """Compare the next frames with this one."""
+        self._reference = sample
+        if is_after_jump:
+            self._calibration.restart()
+        self._calibration.add(sample)
 
     def _judge_pair(self, sample: DepthSample) -> None:
         """Compare with the reference once the camera has moved, then refer to this frame."""
         reference = self._reference
         if reference is None:
-            self._reference = sample
+            self._refer_to(sample)
             return
         relative = reference.T_camera_world @ sample.pose
         turn, distance = motion(relative)
         shift = distance / max(reference.median_depth, 1e-6)
         if self._detector.is_pending or not (turn > TURN or shift > SHIFT):
             return
-        self._reference = sample
+        self._refer_to(sample)
         if turn > MOST_TURN:
             return
         agreement = sample.meets(reference, relative)
@@ -203,24 +223,28 @@ class PoseCheck:
             self._ray_length(),
             self._frozen.problem,
             self._detector.colours.problem,
+            self._registration.problem,
             self._jump(),
         ]
         return "; ".join(sentence for sentence in sentences if sentence)
 
     def _convention(self, middle: float) -> str:
+        """What the usual mistakes say, and else what other intrinsics or another scale say."""
+        measured = self._calibration.problem
         pairs = len(self._shares) + self._out_of_sight
         if pairs < FEWEST_PAIRS:
             return ""
         is_unseen = self._out_of_sight > len(self._shares)
         if not is_unseen and middle >= TRIED_SHARE:
-            return ""
+            return measured
         if pairs >= RETRY * self._judged[0]:
             given = 0.0 if is_unseen else middle
             self._judged = pairs, explanation_of(list(self._apart), given)
-        likely = self._judged[1].sentence
+        likely = self._judged[1].sentence or measured
         if is_unseen:
             return f"frames show nothing in common under their poses: {likely}" if likely else ""
-        if not self._judged[1].is_found and middle >= LEAST_SHARE - FEW_PAIRS / len(self._shares):
+        is_far_better = self._judged[1].is_found or bool(measured)
+        if not is_far_better and middle >= LEAST_SHARE - FEW_PAIRS / len(self._shares):
             return ""
         advice = likely or (
             "check the frame whose pose is given, the unit of depth, the intrinsics and the stamps"

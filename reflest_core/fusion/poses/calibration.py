@@ -1,0 +1,182 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""Finds focal lengths, a centre or a scale of positions that make views far apart meet.
+
+A wrong value is named where nearly every pair of views meets better under another one, and then as
+well as the views of a right capture do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import astuple, replace
+
+import numpy as np
+
+from reflest_core.fusion.poses.agreement import DepthSample
+from reflest_core.fusion.poses.distant_views import Meeting, Reading, View, ViewPairs
+
+MOST_VIEWS = 24
+FEWEST_PAIRS = 6
+"""Pairs of views from which on a capture is judged."""
+RETRY = 1.5
+"""It is judged again when there are so many times more views."""
+LOWER = 0.9
+"""A reading's cost is less than this share of the given one's: right captures give 0.96 to 1."""
+NEARLY_EVERY = 0.95
+"""Share of pairs that each meet better."""
+MEETS = 0.8
+"""Median share of samples that meet under the reading: right captures give 0.83 to 1."""
+AS_WELL = 1.1, 0.01
+"""A simpler reading is as good where its cost is less than the best times the first plus the
+second."""
+FOCALS = (0.5, 0.6, 0.67, 0.75, 0.85, 1.0, 1.15, 1.33, 1.5, 1.7, 2.0)
+"""Factors from which the search begins."""
+SCALES = (0.5, 0.7, 0.85, 1.0, 1.15, 1.4, 2.0)
+STARTS = 3
+"""The search goes on from so many of the best of these."""
+STEPS = {"focal": 0.06, "right": 0.01, "down": 0.01, "scale": 0.06}
+"""First steps of the search: of factors, relative; of the centre, shares of the focal length."""
+FINEST = 1 / 16
+"""The last steps over the first."""
+LEAST_FACTOR, LEAST_SHIFT = 0.02, 0.008
+"""Smaller deviations are not named: they do not matter beside a sensor's own errors."""
+READINGS = (("focal",), ("scale",), ("right", "down"), ("focal", "right", "down"))
+"""What is searched together, the simplest first."""
+
+
+class CalibrationCheck:
+    """Keeps views of a scan and searches the intrinsics under which they meet.
+
+    Attributes:
+        problem: A sentence that names what seems wrong, by how much, and what to change, or "".
+    """
+
+    def __init__(self) -> None:
+        self.problem = ""
+        self._views: deque[View] = deque(maxlen=MOST_VIEWS)
+        self._added = self._judged = 0
+        self._focals = (0.0, 0.0)
+
+    def add(self, sample: DepthSample) -> None:
+        """Take a view.
+
+        Args:
+            sample: Of a frame from another viewpoint than the last view.
+        """
+        if sample.size:
+            self._views.append(View(sample))
+            self._focals = float(sample.pinhole[0]), float(sample.pinhole[1])
+            self._added += 1
+
+    def restart(self) -> None:
+        """Compare the next view with none before it."""
+        self._views.clear()
+        self._added = self._judged = 0
+
+    def judge(self) -> None:
+        """Compare the views, where there are enough more of them than at the last time."""
+        if len(self._views) < 4 or self._added < RETRY * self._judged:
+            return
+        self._judged = self._added
+        pairs = ViewPairs(list(self._views))
+        if len(pairs) < FEWEST_PAIRS:
+            return
+        reading = _best_reading(pairs)
+        self.problem = "" if reading is None else self._sentence(reading)
+
+    def _sentence(self, reading: Reading) -> str:
+        parts, advice = [], []
+        if reading.focal != 1.0:
+            parts.append(f"focal lengths {_factor(reading.focal)}")
+            advice.append("that camera_info is of the images' resolution and crop")
+        if reading.right or reading.down:
+            right, down = reading.right * self._focals[0], reading.down * self._focals[1]
+            parts.append(f"a centre moved by {right:+.0f} (cx) and {down:+.0f} (cy) pixels")
+            advice.append("cx and cy, and the rotation of capture.pose_to_camera")
+        if reading.scale != 1.0:
+            parts.append(f"positions {_factor(reading.scale)}")
+            advice.append("the tracker's unit and capture.depth_scale")
+        return (
+            f"views far apart meet clearly better under {' and '.join(parts)}: check "
+            f"{'; '.join(advice)}"
+        )
+
+
+def _factor(factor: float) -> str:
+    longer = factor > 1.0
+    return f"{factor if longer else 1.0 / factor:.3g} times {'longer' if longer else 'shorter'}"
+
+
+def _best_reading(pairs: ViewPairs) -> Reading | None:
+    """The simplest reading under which the views meet as those of a right capture; or None."""
+    given = pairs.meet(Reading())
+    every = _searched(pairs, READINGS[-1], (Reading(),))
+    if pairs.meet(every).cost >= LOWER * given.cost and given.cost < 0.3:
+        return None
+    found = []
+    for names in READINGS:
+        starts = [Reading()]
+        if "focal" in names:
+            starts = [Reading(focal=factor) for factor in FOCALS]
+        elif "scale" in names:
+            starts = [Reading(scale=factor) for factor in SCALES]
+        reading = _searched(pairs, names, starts)
+        found.append((pairs.meet(reading).cost, reading))
+    limit = AS_WELL[0] * min(cost for cost, _ in found) + AS_WELL[1]
+    as_good = [_without_trifles(reading) for cost, reading in found if cost <= limit]
+    reading = as_good[0]
+    if reading == Reading() or not _is_clear(given, pairs.meet(reading)):
+        return None
+    simple = [
+        other for other in as_good[1:] if sum(np.not_equal(astuple(other), astuple(Reading()))) == 1
+    ]
+    return None if reading.focal != 1.0 and any(one.scale != 1.0 for one in simple) else reading
+
+
+def _is_clear(given: Meeting, found: Meeting) -> bool:
+    if found.cost > LOWER * given.cost or float(np.median(found.shares)) < MEETS:
+        return False
+    return float((found.costs < given.costs).mean()) >= NEARLY_EVERY
+
+
+def _without_trifles(reading: Reading) -> Reading:
+    """Take deviations that do not matter as none."""
+    return Reading(
+        1.0 if abs(math.log(reading.focal)) < LEAST_FACTOR else reading.focal,
+        *(
+            (0.0, 0.0)
+            if math.hypot(reading.right, reading.down) < LEAST_SHIFT
+            else (reading.right, reading.down)
+        ),
+        1.0 if abs(math.log(reading.scale)) < LEAST_FACTOR else reading.scale,
+    )
+
+
+def _searched(pairs: ViewPairs, names: Sequence[str], starts: Sequence[Reading]) -> Reading:
+    """Descend along one parameter after the other, by steps that halve."""
+    costs = sorted(
+        ((pairs.meet(start).cost, number) for number, start in enumerate(starts)),
+    )
+    best, best_cost = Reading(), math.inf
+    for cost, number in costs[:STARTS]:
+        reading, size = starts[number], 1.0
+        while size >= FINEST:
+            nearer = [_stepped(reading, name, sign * size) for name in names for sign in (1, -1)]
+            tried = [(pairs.meet(one).cost, place) for place, one in enumerate(nearer)]
+            least, place = min(tried)
+            if least < cost - 1e-6:
+                cost, reading = least, nearer[place]
+            else:
+                size /= 2.0
+        if cost < best_cost:
+            best, best_cost = reading, cost
+    return best
+
+
+def _stepped(reading: Reading, name: str, size: float) -> Reading:
+    value, step = getattr(reading, name), STEPS[name] * size
+    is_factor = name in ("focal", "scale")
+    return replace(reading, **{name: value * math.exp(step) if is_factor else value + step})

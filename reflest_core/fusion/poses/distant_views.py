@@ -1,0 +1,197 @@
+# Copyright 2026 The reflest developers
+# SPDX-License-Identifier: Apache-2.0
+"""How well depth maps from views far apart meet, under other intrinsics and another scale.
+
+Neighbouring views meet nearly as well under wrong intrinsics, for they are distorted alike. Views
+that are 30 degrees apart do not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reflest_core.fusion.poses.agreement import DepthSample, depth_tolerance, motion
+from reflest_core.jit import compiled
+
+COLUMNS = 160
+"""Columns of a reduced depth map, about."""
+SAMPLES = 400
+"""Samples of a view that are compared with another one, about."""
+MOST_PAIRS = 24
+MOST_TURN = math.radians(60.0)
+"""Views further apart show too little of the same surface."""
+FEWEST = 30
+"""With fewer samples in sight of both views a pair says nothing."""
+UNIT = 0.5
+"""Distance that costs half, in tolerances of depth (:func:`.depth_tolerance`)."""
+SMOOTH = 0.05
+"""Relative range of four neighbouring depths up to which they are interpolated."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Other intrinsics and positions than the given ones.
+
+    Attributes:
+        focal: Factor on the focal lengths.
+        right: The centre's shift along x as a share of the given focal length.
+        down: The same along y.
+        scale: Factor on the positions.
+    """
+
+    focal: float = 1.0
+    right: float = 0.0
+    down: float = 0.0
+    scale: float = 1.0
+
+
+class View:
+    """A reduced depth map with its pose and a sample of its pixels.
+
+    Attributes:
+        depth: (h, w) float32 metres, 0 where unknown.
+        pinhole: fx, fy, cx, cy of the reduced map, pixels.
+        rays: (N, 3) x and y at unit depth, and depth, metres, of the sampled pixels.
+        pose: (4, 4) ``T_world_camera``.
+    """
+
+    def __init__(self, sample: DepthSample) -> None:
+        """Reduce a frame's depth map.
+
+        Args:
+            sample: The depth map with its pose and intrinsics.
+        """
+        step = max(sample.depth.shape[1] // COLUMNS, 1)
+        first = step // 2
+        self.depth = np.ascontiguousarray(sample.depth[first::step, first::step])
+        fx, fy, cx, cy = sample.pinhole.tolist()
+        self.pinhole = np.array([fx, fy, cx - first, cy - first]) / step
+        self.rays = np.ascontiguousarray(sample.rays[:: max(sample.size // SAMPLES, 1)])
+        self.pose = sample.pose
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """How well pairs of views meet.
+
+    Attributes:
+        costs: (P,) mean cost of each pair, 0 where it meets exactly, 1 where it does not at all.
+        shares: (P,) share of samples nearer than half the tolerance.
+    """
+
+    costs: NDArray[np.float64]
+    shares: NDArray[np.float64]
+
+    @property
+    def cost(self) -> float:
+        """Mean cost of the pairs."""
+        return float(self.costs.mean())
+
+
+class ViewPairs:
+    """Pairs of views that see the same surface from up to 60 degrees apart."""
+
+    def __init__(self, views: Sequence[View]) -> None:
+        """Choose the pairs.
+
+        Args:
+            views: In their order.
+        """
+        found = []
+        for index, later in enumerate(views):
+            for earlier in views[:index]:
+                relative = np.linalg.inv(earlier.pose) @ later.pose
+                turn, _ = motion(relative)
+                if turn < MOST_TURN:
+                    found.append((turn, earlier, later, np.ascontiguousarray(relative)))
+        found.sort(key=lambda pair: pair[0])
+        chosen = np.unique(np.linspace(0, len(found) - 1, min(MOST_PAIRS, len(found))).astype(int))
+        pairs = [found[index][1:] for index in chosen]
+        self._pairs = [pair for pair in pairs if _compared_pair(pair, Reading())[2] >= FEWEST]
+
+    def __len__(self) -> int:
+        """Return the number of pairs."""
+        return len(self._pairs)
+
+    def meet(self, reading: Reading) -> Meeting:
+        """Compare all pairs.
+
+        Args:
+            reading: Intrinsics and scale to read them with.
+        """
+        found = np.array([_compared_pair(pair, reading) for pair in self._pairs])
+        count = np.maximum(found[:, 2], 1.0)
+        # What has moved out of sight must not look like what meets.
+        is_seen = found[:, 2] >= FEWEST
+        return Meeting(
+            np.where(is_seen, found[:, 0] / count, 1.0), np.where(is_seen, found[:, 1] / count, 0.0)
+        )
+
+
+def _compared_pair(
+    pair: tuple[View, View, NDArray[np.float64]], reading: Reading
+) -> tuple[float, int, int]:
+    earlier, later, relative = pair
+    values = reading.focal, reading.right, reading.down, reading.scale
+    return _compared(later.rays, relative, earlier.depth, earlier.pinhole, *values)
+
+
+@compiled
+def _compared(
+    rays: NDArray[np.float64],
+    transform: NDArray[np.float64],
+    depth: NDArray[np.float32],
+    pinhole: NDArray[np.float64],
+    focal: float,
+    right: float,
+    down: float,
+    scale: float,
+) -> tuple[float, int, int]:
+    """Return the summed cost, how many samples are near, and how many are in sight of both."""
+    fx, fy, cx, cy = pinhole
+    height, width = depth.shape
+    cost, near, count = 0.0, 0, 0
+    for index in range(len(rays)):
+        z = rays[index, 2]
+        x = (rays[index, 0] - right) / focal * z
+        y = (rays[index, 1] - down) / focal * z
+        away = transform[2, 0] * x + transform[2, 1] * y + transform[2, 2] * z
+        away += transform[2, 3] * scale
+        if not away > 0.0:
+            continue
+        across = transform[0, 0] * x + transform[0, 1] * y + transform[0, 2] * z
+        along = transform[1, 0] * x + transform[1, 1] * y + transform[1, 2] * z
+        column = fx * (focal * (across + transform[0, 3] * scale) / away + right) + cx
+        row = fy * (focal * (along + transform[1, 3] * scale) / away + down) + cy
+        if not (0.0 <= column < width - 1 and 0.0 <= row < height - 1):
+            continue
+        there = _depth_at(depth, row, column)
+        if not there > 0.0:
+            continue
+        distance = (away - there) / (UNIT * depth_tolerance(there))
+        cost += distance * distance / (1.0 + distance * distance)
+        near += 1 if abs(distance) < 1.0 else 0
+        count += 1
+    return cost, near, count
+
+
+@compiled
+def _depth_at(depth: NDArray[np.float32], row: float, column: float) -> float:
+    """Interpolate where the surface is smooth, else take the nearest; 0 beside a gap."""
+    y, x = int(row), int(column)
+    least = greatest = np.float64(depth[y, x])
+    for there in (depth[y, x + 1], depth[y + 1, x], depth[y + 1, x + 1]):
+        least, greatest = min(least, np.float64(there)), max(greatest, np.float64(there))
+    if not (least > 0.0 and greatest < np.inf):
+        return 0.0
+    if greatest - least > SMOOTH * least:
+        return float(depth[int(row + 0.5), int(column + 0.5)])
+    down, right = row - y, column - x
+    above = depth[y, x] * (1.0 - right) + depth[y, x + 1] * right
+    below = depth[y + 1, x] * (1.0 - right) + depth[y + 1, x + 1] * right
+    return float(above * (1.0 - down) + below * down)
