@@ -118,7 +118,7 @@ def checked_frame(frame: Any) -> Frame:
             f"frame is {_shown(frame)}: pass a frame of open_capture, or arrays to Scanner.add"
         )
     checked_stamp_ns(frame.stamp_ns)
-    _possible(frame.intrinsics)
+    _possible(frame.intrinsics, is_crop=True)
     return frame
 
 
@@ -213,7 +213,7 @@ def checked_intrinsics(
 
     Args:
         matrix: (3, 3) K, or (4,) fx, fy, cx, cy; pixels, centres at integer coordinates; or a
-            frame's intrinsics.
+            frame's intrinsics, which state the size that they belong to and may be of a crop.
         shape: (H, W) of the images that it belongs to.
 
     Raises:
@@ -225,7 +225,7 @@ def checked_intrinsics(
                 f"K belongs to images of {matrix.width} x {matrix.height} pixels, and rgb has "
                 f"{shape[1]} x {shape[0]}"
             )
-        return _possible(matrix)
+        return _possible(matrix, is_crop=True)
     values = _array("K", matrix, np.float64)
     if values.shape == (4,):
         fx, fy, cx, cy = values.tolist()
@@ -241,8 +241,8 @@ def checked_intrinsics(
     return _possible(CameraIntrinsics(shape[1], shape[0], fx, fy, cx, cy))
 
 
-def _possible(camera: CameraIntrinsics) -> CameraIntrinsics:
-    if problem := camera_problem(camera):
+def _possible(camera: CameraIntrinsics, is_crop: bool = False) -> CameraIntrinsics:
+    if problem := camera_problem(camera, is_crop):
         raise ArgumentRefused(f"K has {problem}")
     return camera
 

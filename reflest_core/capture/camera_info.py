@@ -75,7 +75,8 @@ def check_camera_info(
     name = "P" if settings.rectified else "K"
     if skew != 0.0:
         raise _invalid(topic, f"has {name} with skew = {skew:g}, which must be 0")
-    if problem := camera_problem(intrinsics):
+    is_crop = 0 < roi_width * roi_height < info.width * info.height
+    if problem := camera_problem(intrinsics, is_crop):
         raise _invalid(topic, f"has {name} with {problem}", ask_to_calibrate=False)
     distortion = () if settings.rectified else _checked_distortion(info, topic)
     is_fisheye = bool(distortion) and info.distortion_model in FISHEYE_MODELS

@@ -20,13 +20,16 @@ ORDERS = {"cx, cy, fx, fy": (2, 3, 0, 1), "fx, cx, fy, cy": (0, 2, 1, 3)}
 """Wrong orders that people use, and where fx, fy, cx and cy stand in them."""
 
 
-def camera_problem(camera: CameraIntrinsics) -> str:
+def camera_problem(camera: CameraIntrinsics, is_crop: bool = False) -> str:
     """Explain why a calibration is impossible for images of its size.
 
     The centre of a cropped image may lie outside it, as far as the camera's field of view allows.
+    In a corner of half the edges or less it lies where the centre of a larger image does, so a crop
+    must be known to be one.
 
     Args:
         camera: The calibration.
+        is_crop: Whether the calibration was made for, or cut down to, an image of this size.
 
     Returns:
         What is wrong and what to change, without the calibration's name; "" where it is possible.
@@ -49,10 +52,11 @@ def camera_problem(camera: CameraIntrinsics) -> str:
                 "pixels of images of this size"
             )
     across, down = (2.0 * centre / edge for centre, edge in zip(given[2:], size, strict=True))
-    if min(across, down) >= 2.0 - SAME_SHARE and abs(across - down) <= SAME_SHARE:
+    if not is_crop and min(across, down) >= 2.0 - SAME_SHARE and abs(across - down) <= SAME_SHARE:
         return (
             f"{shown}: the centre is that of an image {across:.2g} times as large; scale all four "
-            "numbers to this size"
+            "numbers to this size (for a crop of that image: give a region of interest in "
+            "camera_info, or pass CameraIntrinsics to the Scanner)"
         )
     return ""
 

@@ -19,6 +19,8 @@ from reflest_core.fusion.settings import FusionSettings
 from reflest_core.jit import compiled, kernel_array
 from reflest_core.surface.voxel_key import VOXEL_LIMIT
 
+LAST_STAMP_NS = 2**63 - 1
+"""Stamps are kept as 64-bit integers."""
 MOST_POSITIONS = 4096
 """Voxels at most that stand for the surface."""
 MARGIN = 0.1
@@ -157,15 +159,21 @@ def check_reach(frame: Frame, settings: FusionSettings) -> None:
 
 
 def check_stamp(frame: Frame, last_ns: int | None) -> None:
-    """Refuse a frame that is not after the last one.
+    """Refuse a frame whose stamp is no time, or not after the last one.
 
     Args:
         frame: The frame.
         last_ns: Stamp of the last fused frame, nanoseconds; None takes any.
 
     Raises:
-        FrameRefused: ``TIME_BACKWARDS``.
+        FrameRefused: ``STAMP_INVALID``, ``TIME_BACKWARDS``.
     """
+    if not abs(frame.stamp_ns) < LAST_STAMP_NS:
+        raise FrameRefused(
+            RefusalCause.STAMP_INVALID,
+            f"the image stamp is {frame.stamp_ns / 1e9:.4g} s: expected a time within 292 years "
+            "of 0",
+        )
     if last_ns is not None and frame.stamp_ns <= last_ns:
         raise FrameRefused(
             RefusalCause.TIME_BACKWARDS,

@@ -94,6 +94,13 @@ def test_a_calibration_that_cannot_be_is_refused(matrix, sentence):
         checked_intrinsics(matrix, SHAPE)
 
 
+def test_the_upper_left_quarter_of_an_image_is_taken_with_its_size():
+    quarter = CameraIntrinsics(64, 48, 90.0, 90.0, 64.0, 48.0)
+    assert checked_intrinsics(quarter, SHAPE) == quarter
+    with pytest.raises(ArgumentRefused, match="pass CameraIntrinsics"):
+        checked_intrinsics(quarter.matrix, SHAPE)
+
+
 def test_the_principal_point_of_a_cropped_image_may_lie_outside_it():
     assert checked_intrinsics((600.0, 600.0, -90.0, 100.0), SHAPE).cx == -90.0
 

@@ -38,6 +38,14 @@ def test_roi_and_binning_are_applied_as_image_geometry_does():
     assert (camera.fx, camera.fy, camera.cx, camera.cy) == (250.0, 127.5, 110.0, 50.0)
 
 
+def test_a_region_of_interest_may_be_the_upper_left_quarter():
+    info = replace(INFO, roi=(0, 0, 320, 240))
+    camera = check_camera_info(info, "/info", SETTINGS).intrinsics
+    assert (camera.width, camera.cx, camera.cy) == (320, 320.0, 240.0)
+    with pytest.raises(FrameRefused, match="2 times as large"):
+        check_camera_info(replace(INFO, width=320, height=240), "/info", SETTINGS)
+
+
 def test_rectified_images_use_p_and_need_no_distortion():
     p = (400.0, 0.0, 300.0, 0.0, 0.0, 410.0, 200.0, 0.0, 0.0, 0.0, 1.0, 0.0)
     info = replace(INFO, p=p, d=PLUMB_BOB, distortion_model="plumb_bob")

@@ -44,3 +44,9 @@ def test_an_impossible_calibration_is_explained(numbers, words):
 )
 def test_crops_and_wide_long_or_squeezed_images_are_possible(size, numbers):
     assert camera_problem(CameraIntrinsics(*size, *numbers)) == ""
+
+
+def test_the_upper_left_quarter_of_an_image_is_possible_where_it_is_known_to_be_one():
+    camera = CameraIntrinsics(320, 240, 525.0, 525.0, 320.0, 240.0)
+    assert "for a crop of that image" in camera_problem(camera)
+    assert camera_problem(camera, is_crop=True) == ""

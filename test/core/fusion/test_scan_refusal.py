@@ -89,6 +89,8 @@ def empty_mask():
         ),
         (next_frame(stamp_ns=99_000_000), RefusalCause.TIME_BACKWARDS, "reset"),
         (next_frame(stamp_ns=5), RefusalCause.TIME_BACKWARDS, "reset"),
+        (next_frame(stamp_ns=2**70), RefusalCause.STAMP_INVALID, "within 292 years"),
+        (next_frame(stamp_ns=-(2**63)), RefusalCause.STAMP_INVALID, "within 292 years"),
         *NO_POSES,
     ],
 )

@@ -2,11 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Radiance as other programs wrote it."""
 
+import os
+
 import cv2
 import numpy as np
 import OpenEXR
 import pytest
 
+from reflest_core.light import environment_reader
 from reflest_core.light.environment_reader import read_radiance
 
 RADIANCE = np.random.default_rng(1).random((16, 32, 3)).astype(np.float32) * 40
@@ -75,3 +78,25 @@ def test_an_absurd_size_is_refused_before_memory_is_taken(tmp_path):
     )
     with pytest.raises(ValueError, match="60000 x 60000 pixels, more than"):
         read_radiance(tmp_path / "a.hdr")
+
+
+@pytest.mark.parametrize("name", ["a.exr", "a.hdr"])
+def test_a_file_larger_than_any_image_is_not_read(tmp_path, name):
+    with (tmp_path / name).open("wb") as file:
+        file.truncate(2**40)
+    with pytest.raises(ValueError, match="1048576 MB, more than"):
+        read_radiance(tmp_path / name)
+
+
+@pytest.mark.parametrize("name", ["a.exr", "a.hdr"])
+def test_a_pipe_is_refused_without_waiting_for_it(tmp_path, name):
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(ValueError, match="no regular file"):
+        read_radiance(tmp_path / name)
+
+
+def test_an_exr_of_many_channels_is_not_decoded(tmp_path, monkeypatch):
+    monkeypatch.setattr(environment_reader, "MOST_VALUES", 16 * 32 * 4)
+    path = write_exr(tmp_path / "passes.exr", {name: ALPHA for name in "RGBAZ"})
+    with pytest.raises(ValueError, match="5 channels of 32 x 16 pixels: keep R, G, B and A"):
+        read_radiance(path)
