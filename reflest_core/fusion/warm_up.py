@@ -13,6 +13,8 @@ from reflest_core.capture.frame import Frame
 from reflest_core.fusion.observations.eviction import least_worthy
 from reflest_core.fusion.poses.agreement import DepthSample
 from reflest_core.fusion.poses.colours import PlacedFrame
+from reflest_core.fusion.poses.distant_views import View, ViewPairs
+from reflest_core.fusion.poses.edge_maps import EdgeMaps
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.fusion.tsdf.tsdf_blocks import erase_blocks, surface_keys
@@ -44,6 +46,8 @@ def warm_up() -> None:
     sample.meets(sample, np.eye(4))
     placed = PlacedFrame(wall, sample)
     placed.colours_meet(placed)
+    EdgeMaps.of(wall)
+    ViewPairs([View(sample), View(sample)])
     at_one_exposure(np.zeros((1, 3), np.uint8), np.full(1, 2.0, np.float32), np.zeros(1, np.uint16))
     scan.store.drop_views(np.array([0]))
     least_worthy(scan.store.rows.last_seen, scan.store.rows.counts, 0, 0, 0)
