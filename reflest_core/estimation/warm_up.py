@@ -7,6 +7,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 
 from reflest_core.capture.camera import CameraIntrinsics
@@ -25,6 +28,8 @@ from reflest_core.models.registry import shipped_models
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.voxel_key import pack_key
 
+_warmed: set[tuple[EstimationSettings, bool]] = set()
+"""What this process is warm for."""
 SIDE, VIEWS = 32, 6
 """32 x 32 voxels are more than any network chooses or ``min_voxels`` can ask for."""
 
@@ -32,12 +37,22 @@ SIDE, VIEWS = 32, 6
 def warm_up(estimator: Estimator, is_divided: bool = True) -> None:
     """Run every kernel once: a second or two, or about two minutes on the first start.
 
+    A process that did so with the same settings has nothing left to do.
+
     Args:
         estimator: with the network that will be used.
         is_divided: also what divides a scan into materials, as one without a region is.
     """
+    if (estimator.settings, is_divided) in _warmed:
+        return
     _warm_up_capture()
     warm_up_fusion()
+    _warm_up_estimation(estimator, is_divided)
+    _warmed.add((estimator.settings, is_divided))
+
+
+def _warm_up_estimation(estimator: Estimator, is_divided: bool = True) -> None:
+    """Run the kernels between a scan and its estimates once."""
     wall = _wall_of_two_colours()
     estimator.estimate(wall, 0, "")
     if is_divided:
@@ -80,6 +95,18 @@ def _wall_of_two_colours() -> ObservedSurface:
     )
 
 
+def compile_all() -> int:
+    """Compile all kernels of all networks, in two processes: each takes half a minute.
+
+    Returns:
+        Exit code of the second process.
+    """
+    with subprocess.Popen([sys.executable, "-m", "reflest_core.fusion.warm_up"]) as fusion:
+        _warm_up_capture()
+        for model in shipped_models():
+            _warm_up_estimation(Estimator(EstimationSettings(model=model)))
+    return fusion.returncode
+
+
 if __name__ == "__main__":
-    for model in shipped_models():
-        warm_up(Estimator(EstimationSettings(model=model)))
+    sys.exit(compile_all())

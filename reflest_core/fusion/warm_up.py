@@ -55,3 +55,7 @@ def warm_up() -> None:
     surface_keys(nothing, scan.volume.blocks)
     erase_blocks(nothing, scan.volume.blocks, scan.volume.count)
     scan.volume.restore(scan.volume.count)
+
+
+if __name__ == "__main__":
+    warm_up()
