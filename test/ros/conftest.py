@@ -4,6 +4,9 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
+import sysconfig
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -18,6 +21,9 @@ from test.waiting import wait_until
 
 COMPILE_TIME = 600.0
 """Seconds in which the first start after installation is over, on a slow machine."""
+
+LINTED = ("reflest_core", "reflest_ros", "launch", "scripts", "setup.py")
+"""What is installed, and what builds it; ``make lint`` takes the tests and benchmarks too."""
 
 SETTINGS = """\
 /**:
@@ -36,6 +42,40 @@ def _one_machine() -> Iterator[None]:
         profile = ROOT / "config" / "fastdds_large_messages.xml"
         patch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", str(profile))
         yield
+
+
+@pytest.fixture(scope="session")
+def linters() -> Iterator[dict[str, subprocess.Popen[str]]]:
+    """ROS' linters, as processes of low priority: they take a minute."""
+    (pep257,) = re.findall(r"ament_pep257\(([^)]*)\)", (ROOT / "CMakeLists.txt").read_text())
+    commands = (
+        ("ament_flake8", "--config", ".ci/ament_flake8.ini", *LINTED),
+        ("ament_pep257", *re.findall(r'"([^"]+)"', pep257), "--", *LINTED),
+        # ament_lint_cmake is cmakelint with lines of up to 140 characters.
+        ("cmakelint", "--linelength=140", "CMakeLists.txt"),
+    )
+    programs = Path(sysconfig.get_path("scripts"))
+    started = {
+        program: subprocess.Popen(
+            ["nice", "-n", "10", str(programs / program), *arguments],
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        for program, *arguments in commands
+    }
+    yield started
+    for process in started.values():
+        process.kill()
+        process.wait()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _linters_run_beside_other_tests(request: pytest.FixtureRequest) -> None:
+    """Start them with the first test, if they are asked for: tests of nodes mostly wait."""
+    if any("linters" in getattr(item, "fixturenames", ()) for item in request.session.items):
+        request.getfixturevalue("linters")
 
 
 @pytest.fixture(scope="session")
