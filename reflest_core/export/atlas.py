@@ -19,7 +19,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from reflest_core.export.libraries import library
-from reflest_core.export.scanned_mesh import TriangleMesh
+from reflest_core.export.triangle_mesh import TriangleMesh
 
 SMOOTHING = 6
 """Passes that average a face's normal with its neighbours'."""

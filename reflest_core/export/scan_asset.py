@@ -21,7 +21,8 @@ from reflest_core.export.atlas import Atlas, unwrapped
 from reflest_core.export.bake import covered_texels, filled, interpolated
 from reflest_core.export.errors import ExportError
 from reflest_core.export.microfacet_material import MicrofacetMaterial, base_colour
-from reflest_core.export.scanned_mesh import TriangleMesh, scanned_mesh
+from reflest_core.export.scanned_mesh import scanned_mesh
+from reflest_core.export.triangle_mesh import TriangleMesh
 from reflest_core.fusion.scan import Scan
 from reflest_core.surface.upright import rotation_to_z, upright
 
@@ -81,7 +82,7 @@ def scan_asset(
         ExportError: There is no surface or no material, or a package is missing.
     """
     settings = settings or AssetSettings()
-    mesh = scanned_mesh(scan, settings.faces, settings.is_watertight)
+    mesh = scanned_mesh(scan, settings.faces, settings.is_watertight, settings.up)
     return mesh_asset(mesh, scan.fusion.voxel_size, found, name, settings)
 
 

@@ -1,194 +1,142 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""The scanned surface as a triangle mesh: marching cubes over the TSDF, cleaned and decimated."""
+"""The scanned surface as a triangle mesh: screened Poisson reconstruction, trimmed and decimated.
+
+Poisson reconstruction (Kazhdan and Hoppe 2013) makes one closed surface through all voxels. Where
+something was scanned it averages the noise of the depth; where nothing was, it continues what lies
+around. A small gap, as below an object's overhang or where it stands on a table, is therefore
+closed smoothly. A base below what was scanned from above (:mod:`.flat_base`) makes it a solid,
+which joins objects to what they stand on. An open mesh has base and large gaps cut out again.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from reflest_core.export.errors import ExportError
-from reflest_core.export.libraries import library, open3d
+from reflest_core.export.flat_base import base_below
+from reflest_core.export.libraries import open3d
+from reflest_core.export.triangle_mesh import TriangleMesh, decimated
 from reflest_core.fusion.scan import Scan
-from reflest_core.surface.voxel_key import BLOCK_EDGE, key_coordinates
 
 OBSERVED_WITHIN = 1.75
-"""A vertex without an observed voxel within so many voxels is not of the scanned surface."""
+"""A vertex with an observed voxel within so many voxels is of the scanned surface."""
+FILLED_WITHIN = 10.0
+"""A gap is filled if all of the filling has observed voxels within so many voxels."""
 SMALLEST_PIECE = 40.0
 """A loose piece of less area than so many squared voxels is noise."""
-POISSON_VOXELS = 1.5
+POISSON_VOXELS = 1.0
 """Cells of the Poisson reconstruction are about so many voxels wide."""
 FARTHEST_CLOSED = 0.3
 """Share of the scan's size by which a closed surface may pass it."""
+CLOSED_TARGETS = (1.0, 0.97, 0.94, 0.91, 0.88, 0.8, 0.7)
+"""Shares of the faces asked for, which are tried until the decimated mesh is still closed."""
+Z_UP = (0.0, 0.0, 1.0)
 
 
-@dataclass(frozen=True)
-class TriangleMesh:
-    """Vertices and triangles in the world frame.
-
-    Attributes:
-        vertices: (N, 3) float32, metres.
-        faces: (F, 3) int32, counter-clockwise from outside.
-    """
-
-    vertices: NDArray[np.float32]
-    faces: NDArray[np.int32]
-
-    @property
-    def face_normals(self) -> NDArray[np.float64]:
-        """(F, 3) outward normals whose length is twice the face's area."""
-        corners = self.vertices[self.faces].astype(np.float64)
-        return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-
-    @property
-    def vertex_normals(self) -> NDArray[np.float32]:
-        """(N, 3) unit mean of the faces' normals, weighted by area."""
-        normals = np.zeros((len(self.vertices), 3))
-        of_faces = self.face_normals
-        for corner in range(3):
-            for axis in range(3):
-                normals[:, axis] += np.bincount(
-                    self.faces[:, corner], of_faces[:, axis], len(self.vertices)
-                )
-        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-        return np.where(lengths > 1e-12, normals / np.maximum(lengths, 1e-12), [0, 0, 1]).astype(
-            np.float32
-        )
-
-    def kept(self, is_kept: NDArray[np.bool_]) -> TriangleMesh:
-        """The faces that are kept, and their vertices.
-
-        Args:
-            is_kept: (F,) bool.
-        """
-        used, flat = np.unique(self.faces[is_kept], return_inverse=True)
-        return TriangleMesh(self.vertices[used], flat.reshape(-1, 3).astype(np.int32))
-
-
-def scanned_mesh(scan: Scan, faces: int, is_watertight: bool = False) -> TriangleMesh:
-    """Extract and decimate the surface of a scan.
+def scanned_mesh(
+    scan: Scan,
+    faces: int,
+    is_watertight: bool = False,
+    up: tuple[float, float, float] = Z_UP,
+) -> TriangleMesh:
+    """Reconstruct and decimate the surface of a scan.
 
     Args:
         scan: What was fused.
-        faces: The mesh is decimated to about so many.
-        is_watertight: As in :func:`surface_mesh`.
+        faces: As in :func:`mesh_of_voxels`.
+        is_watertight: As in :func:`mesh_of_voxels`.
+        up: As in :func:`mesh_of_voxels`.
 
     Raises:
-        ExportError: Nothing was scanned, or a package of the extra ``asset`` is missing.
+        ExportError: As :func:`mesh_of_voxels`.
     """
-    return decimated(surface_mesh(scan, is_watertight), faces)
-
-
-def surface_mesh(scan: Scan, is_watertight: bool = False) -> TriangleMesh:
-    """Extract the surface of a scan, in the resolution of its voxels.
-
-    Args:
-        scan: What was fused.
-        is_watertight: Close the surface (screened Poisson reconstruction, Kazhdan and Hoppe 2013)
-            where nothing was scanned.
-
-    Raises:
-        ExportError: Nothing was scanned, a package of the extra ``asset`` is missing, or what
-            should be closed is open.
-    """
-    observed = scan.store.rows.positions[: scan.store.count]
-    if not len(observed):
-        raise ExportError("nothing was scanned: there is no surface to export")
-    voxel_size = scan.fusion.voxel_size
-    if is_watertight:
-        mesh = _poisson(observed, scan.store.rows.normals[: scan.store.count], voxel_size)
-        check_closed(mesh, observed)
-    else:
-        mesh = _without_loose_pieces(
-            _near(_marching_cubes(scan), observed, OBSERVED_WITHIN * voxel_size), voxel_size
-        )
-    if not len(mesh.faces):
-        raise ExportError("the scan holds no connected surface: scan more of the object")
-    return mesh
+    rows, count = scan.store.rows, scan.store.count
+    return mesh_of_voxels(
+        rows.positions[:count],
+        rows.normals[:count],
+        scan.fusion.voxel_size,
+        faces,
+        is_watertight,
+        up,
+    )
 
 
 def mesh_of_voxels(
-    positions: NDArray[np.float32], normals: NDArray[np.float32], voxel_size: float, faces: int
+    positions: NDArray[np.float32],
+    normals: NDArray[np.float32],
+    voxel_size: float,
+    faces: int,
+    is_watertight: bool = False,
+    up: tuple[float, float, float] = Z_UP,
 ) -> TriangleMesh:
-    """Reconstruct the surface where its voxels alone are at hand, and no volume.
+    """Reconstruct and decimate the surface that voxels lie on.
 
     Args:
         positions: (V, 3) metres.
         normals: (V, 3) unit, outward.
         voxel_size: Edge of a voxel, metres.
         faces: The mesh is decimated to about so many.
+        is_watertight: Close the surface: what is open below gets a flat base.
+        up: Up in the voxels' frame, for the base.
 
     Raises:
-        ExportError: The voxels make no surface, or a package of the extra ``asset`` is missing.
+        ExportError: The voxels make no surface, what should be closed cannot be, or a package of
+            the extra ``asset`` is missing.
     """
-    closed = _poisson(positions, normals, voxel_size)
-    mesh = _without_loose_pieces(_near(closed, positions, OBSERVED_WITHIN * voxel_size), voxel_size)
+    if not len(positions):
+        raise ExportError("nothing was scanned: there is no surface to export")
+    base = base_below(positions, normals, voxel_size, up)
+    mesh = _poisson(
+        np.concatenate([positions, base.positions]),
+        np.concatenate([normals, base.normals]),
+        voxel_size,
+    )
+    if is_watertight:
+        return _closed(base.levelled(_largest_piece(mesh)), positions, faces)
+    mesh = _trimmed(mesh, positions, base.positions, voxel_size)
+    mesh = _without_loose_pieces(mesh, voxel_size)
     if not len(mesh.faces):
-        raise ExportError("the voxels make no connected surface: scan more of the object")
+        raise ExportError("the scan holds no connected surface: scan more of the object")
     return decimated(mesh, faces)
 
 
-def _marching_cubes(scan: Scan) -> TriangleMesh:
-    o3d = open3d()
-    volume, blocks = scan.volume, scan.volume.blocks
-    core, count = o3d.core, volume.count
-    grid = o3d.t.geometry.VoxelBlockGrid(
-        ("tsdf", "weight"),
-        (core.float32, core.float32),
-        ((1,), (1,)),
-        volume.voxel_size,
-        BLOCK_EDGE,
-        max(count, 1),
-        core.Device("CPU:0"),
-    )
-    rows, _ = grid.hashmap().activate(
-        core.Tensor(key_coordinates(blocks.keys[:count]).astype(np.int32))
-    )
-    rows = rows.numpy()
-    # Open3D's blocks hold x in the last axis, ours in the first.
-    for name, values in (("tsdf", blocks.tsdf), ("weight", blocks.weight)):
-        grid.attribute(name).numpy()[rows, ..., 0] = values[:count].transpose(0, 3, 2, 1)
-    found = grid.extract_triangle_mesh(weight_threshold=1.0)
-    return _ordered(found.vertex.positions.numpy(), found.triangle.indices.numpy())
+def check_closed(mesh: TriangleMesh, observed: NDArray[np.float32]) -> None:
+    """Refuse a surface that was not closed, or closed by a bubble far beyond what was scanned.
+
+    Args:
+        mesh: What should be closed.
+        observed: (V, 3) voxels, metres.
+
+    Raises:
+        ExportError: It is open, or much larger than the scan.
+    """
+    size = float(np.ptp(observed, axis=0).max())
+    beyond = np.maximum(mesh.vertices.max(axis=0) - observed.max(axis=0), 0.0)
+    beyond = np.maximum(beyond, observed.min(axis=0) - mesh.vertices.min(axis=0))
+    if not mesh.is_closed or float(beyond.max()) > FARTHEST_CLOSED * size:
+        raise ExportError(
+            "the scan is an open surface, such as a wall seen from one side, and cannot be closed: "
+            "scan one object or a table with a region of interest, or export without --watertight"
+        )
 
 
-def _ordered(vertices: NDArray[np.floating], faces: NDArray[np.integer]) -> TriangleMesh:
-    """The mesh in an order of its own: Open3D's depends on threads and hashes."""
-    order = np.lexsort(vertices.T)
-    rank = np.empty(len(order), np.int32)
-    rank[order] = np.arange(len(order), dtype=np.int32)
-    ranked = rank[faces]
-    first = ranked.argmin(axis=1)[:, None]
-    turned = np.take_along_axis(ranked, (first + np.arange(3)) % 3, axis=1)
-    return TriangleMesh(vertices[order].astype(np.float32), turned[np.lexsort(turned.T)])
-
-
-def _near(mesh: TriangleMesh, observed: NDArray[np.float32], reach: float) -> TriangleMesh:
-    distances, _ = cKDTree(observed).query(mesh.vertices, distance_upper_bound=reach)
-    return mesh.kept(np.isfinite(distances)[mesh.faces].all(axis=1))
-
-
-def _without_loose_pieces(mesh: TriangleMesh, voxel_size: float) -> TriangleMesh:
-    faces = mesh.faces
-    corners = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
-    size = (len(mesh.vertices),) * 2
-    graph = coo_matrix((np.ones(len(corners), np.int8), (corners[:, 0], corners[:, 1])), size)
-    _, piece_of_vertex = connected_components(graph, directed=False)
-    piece = piece_of_vertex[faces[:, 0]]
-    areas = np.bincount(piece, 0.5 * np.linalg.norm(mesh.face_normals, axis=1))
-    is_large = areas >= min(SMALLEST_PIECE * voxel_size**2, areas.max(initial=0.0))
-    return mesh.kept(is_large[piece])
+def _closed(mesh: TriangleMesh, observed: NDArray[np.float32], faces: int) -> TriangleMesh:
+    """The decimated mesh; as collapses may join sheets at an edge, the first target without any."""
+    check_closed(mesh, observed)
+    for share in CLOSED_TARGETS:
+        found = decimated(mesh, int(share * faces))
+        if found.is_closed:
+            return found
+    return mesh
 
 
 def _poisson(
     positions: NDArray[np.float32], normals: NDArray[np.float32], voxel_size: float
 ) -> TriangleMesh:
+    """The closed surface through voxels."""
     o3d = open3d()
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(positions.astype(np.float64)))
     cloud.normals = o3d.utility.Vector3dVector(normals.astype(np.float64))
@@ -200,44 +148,39 @@ def _poisson(
         raise ExportError(
             f"{len(positions)} voxels make no surface: scan more of the object"
         ) from error
+    if not len(mesh.triangles):
+        raise ExportError(f"{len(positions)} voxels make no surface: scan more of the object")
     return TriangleMesh(
         np.asarray(mesh.vertices).astype(np.float32), np.asarray(mesh.triangles).astype(np.int32)
     )
 
 
-def check_closed(mesh: TriangleMesh, observed: NDArray[np.float32]) -> None:
-    """Refuse a surface that was not closed, or closed by a bubble far beyond what was scanned.
-
-    Args:
-        mesh: what should be closed.
-        observed: (V, 3) voxels, metres.
-
-    Raises:
-        ExportError: It is open, or much larger than the scan.
-    """
-    edges = np.sort(np.concatenate([mesh.faces[:, [n, (n + 1) % 3]] for n in range(3)]), axis=1)
-    _, uses = np.unique(edges, axis=0, return_counts=True)
-    size = float(np.ptp(observed, axis=0).max())
-    beyond = float(np.ptp(mesh.vertices, axis=0).max()) - size
-    if (uses == 1).any() or beyond > FARTHEST_CLOSED * size:
-        raise ExportError(
-            "the scan is an open surface, such as a table, and cannot be closed: scan one object "
-            "from all sides with a region of interest, or export without --watertight"
-        )
+def _trimmed(
+    mesh: TriangleMesh,
+    observed: NDArray[np.float32],
+    base: NDArray[np.float32],
+    voxel_size: float,
+) -> TriangleMesh:
+    """The faces near observed voxels, and those that fill gaps between them."""
+    distances, nearest = cKDTree(np.concatenate([observed, base])).query(mesh.vertices)
+    distances[nearest >= len(observed)] = np.inf
+    is_near = (distances <= OBSERVED_WITHIN * voxel_size)[mesh.faces].all(axis=1)
+    beyond = TriangleMesh(mesh.vertices, mesh.faces[~is_near])
+    gap = beyond.pieces()
+    farthest = np.zeros(int(gap.max(initial=-1)) + 1)
+    np.maximum.at(farthest, gap, distances[beyond.faces].max(axis=1))
+    is_kept = is_near.copy()
+    is_kept[~is_near] = (farthest <= FILLED_WITHIN * voxel_size)[gap]
+    return mesh.kept(is_kept)
 
 
-def decimated(mesh: TriangleMesh, faces: int) -> TriangleMesh:
-    """Simplify a mesh by quadric error metrics (Garland and Heckbert 1997).
+def _without_loose_pieces(mesh: TriangleMesh, voxel_size: float) -> TriangleMesh:
+    piece = mesh.pieces()
+    areas = np.bincount(piece, mesh.face_areas)
+    is_large = areas >= min(SMALLEST_PIECE * voxel_size**2, areas.max(initial=0.0))
+    return mesh.kept(is_large[piece])
 
-    Args:
-        mesh: Any mesh.
-        faces: About so many are left.
 
-    Raises:
-        ExportError: A package of the extra ``asset`` is missing.
-    """
-    if len(mesh.faces) > faces:
-        simplify: Any = library("fast_simplification").simplify
-        vertices, triangles = simplify(mesh.vertices, mesh.faces, target_count=faces)
-        mesh = TriangleMesh(vertices.astype(np.float32), triangles.astype(np.int32))
-    return mesh.kept(np.linalg.norm(mesh.face_normals, axis=1) > 0.0)
+def _largest_piece(mesh: TriangleMesh) -> TriangleMesh:
+    piece = mesh.pieces()
+    return mesh.kept(piece == np.bincount(piece, mesh.face_areas).argmax())

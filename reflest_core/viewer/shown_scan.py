@@ -14,7 +14,8 @@ from scipy.spatial import cKDTree
 from reflest_core.brdf import srgb
 from reflest_core.estimation.material_map import MaterialEstimate, MaterialMap
 from reflest_core.export.bake import interpolated
-from reflest_core.export.scanned_mesh import TriangleMesh, mesh_of_voxels, scanned_mesh
+from reflest_core.export.scanned_mesh import mesh_of_voxels, scanned_mesh
+from reflest_core.export.triangle_mesh import TriangleMesh
 from reflest_core.fusion.scan import Scan
 from reflest_core.rendering.voxel_colours import observed_colours
 from reflest_core.surface.coverage import RINGS, SECTORS, seen_cells
@@ -79,7 +80,7 @@ class ShownScan:
         size = scan.fusion.voxel_size
         stamps = scan.views.stamps[: scan.views.count].copy()
         light = None if found.light is None else found.light.completed.levels[0]
-        return _shown(scanned_mesh(scan, faces), found, up, size, stamps, light)
+        return _shown(scanned_mesh(scan, faces, up=up), found, up, size, stamps, light)
 
     @staticmethod
     def of_voxels(
@@ -102,7 +103,7 @@ class ShownScan:
             ExportError: There is no surface, or a package of the extra ``asset`` is missing.
         """
         surface = found.surface
-        mesh = mesh_of_voxels(surface.positions, surface.normals, voxel_size, FACES)
+        mesh = mesh_of_voxels(surface.positions, surface.normals, voxel_size, FACES, up=up)
         return _shown(mesh, found, up, voxel_size, np.zeros(0, np.int64), light, voxel_colours)
 
     @property

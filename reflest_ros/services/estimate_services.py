@@ -113,20 +113,22 @@ class EstimateServices:
         return f"wrote {path}: {_summary(answer)}"
 
     def _export_scan(self, format_name: str, path: Path) -> str:
-        """Only the copy and the raw mesh are made in the fusion thread; frames wait meanwhile."""
+        """Only the copy is made in the fusion thread; frames wait meanwhile."""
         from reflest_core.export.scan_asset import AssetSettings, mesh_asset
-        from reflest_core.export.scanned_mesh import TriangleMesh, decimated, surface_mesh
+        from reflest_core.export.scanned_mesh import mesh_of_voxels
 
         open3d()
         pipeline = self._pipeline
         settings = AssetSettings(up=pipeline.settings.estimation.up)
 
-        def copied() -> tuple[KeyframeSnapshot, TriangleMesh, float]:
-            mesh = surface_mesh(pipeline.scan)
-            return pipeline.snapshot(EVERY_VOXEL), mesh, pipeline.scan.fusion.voxel_size
+        def copied() -> tuple[KeyframeSnapshot, float]:
+            return pipeline.snapshot(EVERY_VOXEL), pipeline.scan.fusion.voxel_size
 
-        snapshot, mesh, voxel_size = self._fusion.call(copied).result()
-        mesh = decimated(mesh, settings.faces)
+        snapshot, voxel_size = self._fusion.call(copied).result()
+        surface = snapshot.surface
+        mesh = mesh_of_voxels(
+            surface.positions, surface.normals, voxel_size, settings.faces, up=settings.up
+        )
         found = self._estimation.call(lambda: pipeline.materials(snapshot)).result()
         asset = mesh_asset(mesh, voxel_size, found, asset_name(path), settings)
         (main, *others) = checked_format(path, format_name).files(asset, path.name).items()

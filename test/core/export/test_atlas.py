@@ -8,7 +8,7 @@ import trimesh
 
 from reflest_core.export.atlas import unwrapped
 from reflest_core.export.bake import covered_texels
-from reflest_core.export.scanned_mesh import TriangleMesh
+from reflest_core.export.triangle_mesh import TriangleMesh
 
 
 def mesh_of(shape):

@@ -13,7 +13,8 @@ from reflest_core.export.bake import covered_texels
 from reflest_core.export.errors import ExportError
 from reflest_core.export.microfacet_material import MicrofacetMaterial
 from reflest_core.export.scan_asset import AssetSettings, scan_asset
-from reflest_core.export.scanned_mesh import TriangleMesh, check_closed
+from reflest_core.export.scanned_mesh import check_closed
+from reflest_core.export.triangle_mesh import TriangleMesh
 from reflest_core.fusion.scan import Scan
 from reflest_core.fusion.settings import FusionSettings, RegionSettings
 from reflest_core.inference.light import SceneLight
@@ -177,9 +178,9 @@ def test_an_open_surface_cannot_be_closed():
     places = np.stack(np.meshgrid(edge, edge, [0.0]), axis=-1).reshape(-1, 3).astype(np.float32)
     bubble = trimesh.creation.uv_sphere(0.4)
     closed = TriangleMesh(bubble.vertices.astype(np.float32), bubble.faces.astype(np.int32))
-    with pytest.raises(ExportError, match="is an open surface, such as a table"):
+    with pytest.raises(ExportError, match="is an open surface, such as a wall"):
         check_closed(closed, places)
-    with pytest.raises(ExportError, match="is an open surface, such as a table"):
+    with pytest.raises(ExportError, match="is an open surface, such as a wall"):
         check_closed(closed.kept(np.arange(len(closed.faces)) > 9), bubble.vertices)
     check_closed(closed, bubble.vertices)
 
