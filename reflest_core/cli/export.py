@@ -65,7 +65,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument(
         "--watertight",
         action="store_true",
-        help="close the surface of a thing that was scanned from all sides",
+        help="a closed solid; what was scanned from above, as a table, gets a flat base",
     )
     parser.add_argument(
         "--sphere", action="store_true", help="a 10 cm sphere of the material, not the surface"
