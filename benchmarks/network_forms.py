@@ -59,11 +59,11 @@ def _times(
     times: list[list[float]] = [[] for _ in forms]
     with one_blas_thread():
         for form in forms:
-            form.scores(surface, voxels, found)
+            form.scores(surface, [voxels], found)
         for _ in range(runs):
             for form, taken in zip(forms, times, strict=True):
                 start = time.process_time()
-                form.scores(surface, voxels, found)
+                form.scores(surface, [voxels], found)
                 taken.append(1e3 * (time.process_time() - start))
     return [statistics.median(taken) for taken in times]
 

@@ -81,7 +81,7 @@ ESTIMATION_STAGES = (
     Stage("voxel choice", ("reflest_core.models.predictor:choose_voxels",)),
     Stage("hemisphere images", ("reflest_core.models.hemicnn.live:hemisphere_images",)),
     Stage("grouplets", ("reflest_core.models.grouplet.live:draw_grouplets",)),
-    Stage("shading", ("reflest_core.models.lightnet.live:light_features",)),
+    Stage("shading", ("reflest_core.models.lightnet.live:features_of_choices",)),
     Stage(
         NETWORK,
         (

@@ -27,7 +27,7 @@ Tests compare both forms of every network.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
@@ -90,14 +90,14 @@ class LiveNetwork(Protocol):
     def scores(
         self,
         surface: ObservedSurface,
-        voxels: NDArray[np.int64],
+        choices: Sequence[NDArray[np.int64]],
         found: Explanation | None = None,
-    ) -> Scores:
-        """Estimate the z-scored parameters of a surface.
+    ) -> list[Scores]:
+        """Estimate the z-scored parameters of a surface from each of several choices of voxels.
 
         Args:
             surface: A scan, or a material's part of one, upright (+z is up).
-            voxels: (N,) indices of voxels, all observed.
+            choices: (N,) indices of voxels, all observed, of each choice.
             found: The material in the light of its scene, for networks that see light; None takes
                 the surface for a scene of one material.
         """

@@ -146,9 +146,8 @@ class Predictor:
     ) -> Scores:
         """The mean scores of as many disjoint choices as there are voxels for."""
         choices = max(len(voxels) // self.voxels, 1)
-        scores = [
-            self.network.scores(surface, voxels[first::choices], found) for first in range(choices)
-        ]
+        dealt = [voxels[first::choices] for first in range(choices)]
+        scores = self.network.scores(surface, dealt, found)
         if choices == 1:
             return scores[0]
         means = np.mean([one.means for one in scores], axis=0)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -55,16 +56,21 @@ class TorchNetwork:
     def scores(
         self,
         surface: ObservedSurface,
-        voxels: NDArray[np.int64],
+        choices: Sequence[NDArray[np.int64]],
         found: Explanation | None = None,
-    ) -> Scores:
-        """Estimate from the features of ``voxels``; products are never in TF32.
+    ) -> list[Scores]:
+        """Estimate from the features of each choice of voxels; products are never in TF32.
 
         Args:
             surface: A scan, or a material's part of one, upright (+z is up).
-            voxels: (N,) indices of voxels, all observed.
+            choices: (N,) indices of voxels, all observed, of each choice.
             found: See :class:`~reflest_core.models.definition.LiveNetwork`.
         """
+        return [self._scores(surface, voxels, found) for voxels in choices]
+
+    def _scores(
+        self, surface: ObservedSurface, voxels: NDArray[np.int64], found: Explanation | None
+    ) -> Scores:
         torch = self._torch
         features = self._definition.features(surface, voxels, found)
         exact = torch.backends.cudnn.flags(

@@ -10,6 +10,8 @@ multiplied once, and a node adds up five rows.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -78,17 +80,18 @@ class LiveGrouplet:
     def scores(
         self,
         surface: ObservedSurface,
-        voxels: NDArray[np.int64],
+        choices: Sequence[NDArray[np.int64]],
         found: Explanation | None = None,
-    ) -> Scores:
+    ) -> list[Scores]:
         """Estimate from ten grouplets of each voxel.
 
         Args:
             surface: A scan, or a material's part of one, upright (+z is up).
-            voxels: (N,) indices of voxels, all observed.
+            choices: (N,) indices of voxels, all observed, of each choice.
             found: The material in the light of its scene; not used, for the network sees no light.
         """
-        return Scores(self.evaluate(draw_grouplets(surface, voxels, SEED)))
+        drawn = (draw_grouplets(surface, voxels, SEED) for voxels in choices)
+        return [Scores(self.evaluate(grouplets)) for grouplets in drawn]
 
     def evaluate(self, drawn: Grouplets) -> Array:
         """Estimate (5,) z-scored parameters.

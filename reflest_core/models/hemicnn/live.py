@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
@@ -52,17 +54,18 @@ class LiveHemiCNN:
     def scores(
         self,
         surface: ObservedSurface,
-        voxels: NDArray[np.int64],
+        choices: Sequence[NDArray[np.int64]],
         found: Explanation | None = None,
-    ) -> Scores:
+    ) -> list[Scores]:
         """Estimate from the hemisphere images of the voxels.
 
         Args:
             surface: A scan, or a material's part of one, upright (+z is up).
-            voxels: (N,) indices of voxels, all observed.
+            choices: (N,) indices of voxels, all observed, of each choice.
             found: The material in the light of its scene; not used, for the network sees no light.
         """
-        return Scores(self.evaluate(hemisphere_images(surface, voxels)))
+        images = (hemisphere_images(surface, voxels) for voxels in choices)
+        return [Scores(self.evaluate(of_choice)) for of_choice in images]
 
     def evaluate(self, images: Array) -> Array:
         """Estimate (5,) z-scored parameters.

@@ -10,6 +10,7 @@ strength matters: with the true light, an observation of Eq. 1 satisfies, in eve
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -95,14 +96,22 @@ def light_features(
         without: For ablations. ``completion`` leaves the light smoothly filled where it was not
             seen, ``visibility`` lets the surface hide no light from itself.
     """
-    if found is None:
-        found = explain(surface, seen_light(surface), "visibility" not in without)
-        whole = [np.arange(surface.voxel_count)]
-        posterior = gloss_posterior(surface, found.filled, whole)
-        found = dataclasses.replace(found, posterior=posterior)
+    found = found or explained(surface, "visibility" not in without)
     if "completion" in without:
         found = dataclasses.replace(found, light=found.filled)
     return features_of(found, voxels)
+
+
+def explained(surface: ObservedSurface, has_visibility: bool = True) -> Explanation:
+    """Explain a surface as a scene of one material, with the posterior of its roughness.
+
+    Args:
+        surface: Upright (+z is up), with the light that it was seen in; one is assumed if none was.
+        has_visibility: False lets the surface hide no light from itself.
+    """
+    found = explain(surface, seen_light(surface), has_visibility)
+    posterior = gloss_posterior(surface, found.filled, [np.arange(surface.voxel_count)])
+    return dataclasses.replace(found, posterior=posterior)
 
 
 def features_of(found: Explanation, voxels: NDArray[np.int64]) -> LightFeatures:
@@ -112,10 +121,25 @@ def features_of(found: Explanation, voxels: NDArray[np.int64]) -> LightFeatures:
         found: The material and the light that it is in.
         voxels: (V,) indices into the material's surface.
     """
+    return features_of_choices(found, [voxels])[0]
+
+
+def features_of_choices(
+    found: Explanation, choices: Sequence[NDArray[np.int64]]
+) -> list[LightFeatures]:
+    """Do as :func:`features_of` for several choices of voxels; what they share is computed once.
+
+    Args:
+        found: The material and the light that it is in.
+        choices: (V,) indices into the material's surface, of each choice.
+
+    Returns:
+        The features of each choice.
+    """
     surface = found.surface
-    sample = sampled(surface, voxels)
+    sample = sampled(surface, np.concatenate(choices))
     weights = cosine_weights(sample.normals)
-    sight = found.occluders.sight(surface.positions[voxels], sample.normals, weights)
+    sight = found.occluders.sight(surface.positions[sample.voxels], sample.normals, weights)
     diffuse = weighted_radiance(found.light, incoming(weights, sight))
     diffuse_light = np.maximum(diffuse[:, RADIANCE], DARKEST)
     lobes = lobe_radiance(
@@ -125,36 +149,45 @@ def features_of(found: Explanation, voxels: NDArray[np.int64]) -> LightFeatures:
     is_seen = sample.spread(np.ones(len(sample.voxel_of), np.float32))
     apparent = sample.spread(sample.colours / of_observation)
     clipped = sample.spread(sample.clipped.astype(np.float32))
+    cosine = sample.spread(
+        np.einsum("ij,ij->i", sample.directions, sample.normals[sample.voxel_of])
+    )
     lobe = sample.spread(lobes[..., RADIANCE] / of_observation[:, None])
+    lobe_seen, lobe_clipped = sample.spread(lobes[..., SEEN]), sample.spread(lobes[..., CLIPPED])
     brightness = diffuse_light.mean(axis=1)
-    fit = fit_lobes(
-        apparent,
-        lobe,
-        is_seen[..., None] * (1.0 - clipped),
-        np.minimum(brightness / max(float(brightness.mean()), DARKEST), 1.0) ** 2,
-    )
-    statistics = scene_statistics(found)
-    return LightFeatures(
-        is_seen=is_seen > 0.0,
-        apparent=apparent,
-        clipped=clipped,
-        cosine=sample.spread(
-            np.einsum("ij,ij->i", sample.directions, sample.normals[sample.voxel_of])
-        ),
-        lobe=lobe,
-        lobe_seen=sample.spread(lobes[..., SEEN]),
-        lobe_clipped=sample.spread(lobes[..., CLIPPED]),
-        normals=sample.normals,
-        diffuse_light=diffuse_light,
-        diffuse_seen=diffuse[:, SEEN],
-        diffuse_clipped=diffuse[:, CLIPPED],
-        voxel_fit=fit.voxels,
-        scene_fit=fit.scene,
-        zones=light_zones(found.light),
-        channel_statistics=statistics.of_channels,
-        statistics=statistics.of_all,
-        found_albedo=found.albedos,
-        found_gloss=found.glosses,
-        gloss_evidence=gloss_evidence(found.posterior),
-        gloss_answers=gloss_answers(found.posterior),
-    )
+    zones, statistics = light_zones(found.light), scene_statistics(found)
+    made, last = [], 0
+    for choice in choices:
+        of = slice(last, last + len(choice))
+        last = of.stop
+        fit = fit_lobes(
+            apparent[of],
+            lobe[of],
+            is_seen[of, :, None] * (1.0 - clipped[of]),
+            np.minimum(brightness[of] / max(float(brightness[of].mean()), DARKEST), 1.0) ** 2,
+        )
+        made.append(
+            LightFeatures(
+                is_seen=is_seen[of] > 0.0,
+                apparent=apparent[of],
+                clipped=clipped[of],
+                cosine=cosine[of],
+                lobe=lobe[of],
+                lobe_seen=lobe_seen[of],
+                lobe_clipped=lobe_clipped[of],
+                normals=sample.normals[of],
+                diffuse_light=diffuse_light[of],
+                diffuse_seen=diffuse[of, SEEN],
+                diffuse_clipped=diffuse[of, CLIPPED],
+                voxel_fit=fit.voxels,
+                scene_fit=fit.scene,
+                zones=zones,
+                channel_statistics=statistics.of_channels,
+                statistics=statistics.of_all,
+                found_albedo=found.albedos,
+                found_gloss=found.glosses,
+                gloss_evidence=gloss_evidence(found.posterior),
+                gloss_answers=gloss_answers(found.posterior),
+            )
+        )
+    return made

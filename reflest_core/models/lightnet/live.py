@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +14,7 @@ from reflest_core.brdf.parameters import RHO_D, RHO_S
 from reflest_core.inference.material import Explanation
 from reflest_core.light.completion import CLIPPED, RADIANCE, SEEN
 from reflest_core.models.definition import Scores
-from reflest_core.models.lightnet.features import LightFeatures, light_features
+from reflest_core.models.lightnet.features import LightFeatures, explained, features_of_choices
 from reflest_core.models.lightnet.shapes import FOUND_STRENGTHS
 from reflest_core.models.linear_algebra import DenseLayer, one_blas_thread
 from reflest_core.models.weights import Tensors
@@ -55,18 +56,19 @@ class LiveLightNet:
     def scores(
         self,
         surface: ObservedSurface,
-        voxels: NDArray[np.int64],
+        choices: Sequence[NDArray[np.int64]],
         found: Explanation | None = None,
-    ) -> Scores:
+    ) -> list[Scores]:
         """Estimate from the features of the voxels.
 
         Args:
             surface: A scan, or a material's part of one, upright (+z is up).
-            voxels: (N,) indices of voxels, all observed.
+            choices: (N,) indices of voxels, all observed, of each choice.
             found: The material in the light of its scene; None takes the surface for a scene of
                 one material.
         """
-        return Scores(*self.evaluate(light_features(surface, voxels, found)))
+        features = features_of_choices(found or explained(surface), choices)
+        return [Scores(*self.evaluate(of_choice)) for of_choice in features]
 
     def evaluate(self, features: LightFeatures) -> tuple[Array, Array]:
         """Estimate means and log variances, (5,) each, of the z-scored parameters.

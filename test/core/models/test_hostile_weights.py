@@ -154,8 +154,8 @@ def test_a_file_of_any_size_is_refused_unread(path):
 class Overflowing:
     """A network whose finite weights give outputs that are not."""
 
-    def scores(self, surface, voxels, found=None):
-        return Scores(np.full(5, np.inf, np.float32), np.zeros(5, np.float32))
+    def scores(self, surface, choices, found=None):
+        return [Scores(np.full(5, np.inf, np.float32), np.zeros(5, np.float32)) for _ in choices]
 
 
 def test_outputs_that_are_not_finite_are_no_estimate():

@@ -61,7 +61,7 @@ def test_a_thread_that_fails_is_heard_of():
 @pytest.mark.parametrize(
     ("model", "network", "features"),
     [
-        ("lightnet", live_lightnet, "light_features"),
+        ("lightnet", live_lightnet, "features_of_choices"),
         ("grouplet-fast", live_grouplet, "draw_grouplets"),
         ("hemicnn", live_hemicnn, "hemisphere_images"),
     ],

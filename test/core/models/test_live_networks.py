@@ -83,9 +83,9 @@ def test_weights_predict_what_pytorch_predicts(weights):
     choice = network_of_model(model)
     surface = lit(SURFACE, seen=0.6, lamp=True)
     voxels = choose_voxels(surface, models()[model].voxels)
-    live = Predictor(model, path).network.scores(surface, voxels)
-    expected = TorchNetwork(choice, choice.completed(load_weights(path)[0]), "cpu").scores(
-        surface, voxels
+    (live,) = Predictor(model, path).network.scores(surface, [voxels])
+    (expected,) = TorchNetwork(choice, choice.completed(load_weights(path)[0]), "cpu").scores(
+        surface, [voxels]
     )
     np.testing.assert_allclose(live.means, expected.means, atol=2e-5)
     assert (live.log_variances is not None) == choice.sees_light
