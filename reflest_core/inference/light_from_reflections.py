@@ -34,7 +34,7 @@ from reflest_core.inference.transport.reflected_patches import Reflection
 from reflest_core.jit import compiled, kernel_array
 from reflest_core.surface.surface_sample import SurfaceSample
 
-TURNS, FURTHER_TURNS = 6, 2
+TURNS, FURTHER_TURNS = 6, 1
 """Under the first prior, and under each other, which begin where the first one ended."""
 RELATIVE, LEAST = 0.05, 0.003
 """Standard deviation of a radiance: share of itself, and in units of the sensor's white."""

@@ -29,7 +29,7 @@ from reflest_core.inference.transport.patch_grid import PATCHES
 
 NOISE, DARK_NOISE = 0.07, 0.01
 """Standard deviation of a colour about the model: share of itself, and of the brightest."""
-ROUNDS = 4
+ROUNDS = 3
 """The prior's widths are in units of ``rho_d``, which is known after a round; highlights and what
 the object hides lose their weight."""
 

@@ -27,8 +27,8 @@ from reflest_core.surface.surface_sample import SurfaceSample
 
 MOST_ALBEDO = 1.5
 """Beyond what can be, so that a fit that went astray does not lead far."""
-FITTED = 2
-"""Every second observation of the sample is fitted: all give hardly more, and take longer."""
+FITTED = 4
+"""Every fourth observation of the sample is fitted: all give hardly more, and take longer."""
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from reflest_core.inference.nonnegative import nonnegative_minimum
 from reflest_core.jit import compiled, fused
 
-ROUNDS = 6
+ROUNDS = 4
 RELATIVE, LEAST = 0.04, 0.005
 """Standard deviation of a radiance: share of itself, and in units of the sensor's white."""
 COARSE = 0.15

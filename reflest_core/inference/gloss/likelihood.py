@@ -25,7 +25,7 @@ from reflest_core.jit import compiled, fused
 
 FREEDOM = 4.0
 """Degrees of freedom of the errors."""
-ROUNDS, FURTHER_ROUNDS = 10, 4
+ROUNDS, FURTHER_ROUNDS = 6, 3
 """Of reweighting: at the first roughness, and at each other, which begins where the one before it
 ended."""
 FIRST_GLOSS = 0.05
