@@ -87,7 +87,7 @@ ESTIMATION_STAGES = (
         (
             "reflest_core.models.hemicnn.live:LiveHemiCNN.evaluate",
             "reflest_core.models.grouplet.live:LiveGrouplet.evaluate",
-            "reflest_core.models.lightnet.live:LiveLightNet.evaluate",
+            "reflest_core.models.lightnet.live:LiveLightNet.evaluate_choices",
         ),
     ),
     Stage("coverage", ("reflest_core.estimation.publisher:hemisphere_coverage",)),

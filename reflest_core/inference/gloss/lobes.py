@@ -19,7 +19,7 @@ from reflest_core.light.completion import LightPyramid, halved
 
 LEVELS = 4
 """Of the light's pyramid that lobes look into."""
-RINGS, SECTORS = 6, 8
+RINGS, SECTORS = 5, 6
 """Half vectors of a lobe, stratified over it."""
 SEEN, EXCESS = 3, 4
 """Columns: the share of a lobe's light that was seen; the first of three of clipped light."""
