@@ -106,9 +106,11 @@ def _infer_channel(
     known = colours < 1.0
     target = colours[known]
     noise = NOISE * target + DARK_NOISE * max(float(target.max(initial=0.0)), 1e-3)
-    columns = response.answers[channel, known]
+    columns = response.answers[channel]
+    columns = columns if known.all() else columns[known]
     unknowns = Unknowns(which_matter(columns), prior)
-    columns = columns[:, unknowns.matters]
+    # np.take copies columns faster than an index does.
+    columns = np.take(columns, np.flatnonzero(unknowns.matters), axis=1)
     found, errors = unknowns.expected(ALBEDO[0]), np.zeros_like(target)
     for _ in range(ROUNDS):
         weight = 1.0 / (noise**2 * (1.0 + errors**2))

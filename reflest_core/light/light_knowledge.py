@@ -50,12 +50,11 @@ def light_knowledge(light: ObservedLight | None, normals: NDArray[np.float32]) -
         return UNKNOWN_LIGHT
     size = len(light.coverage)
     power = luminance(light.radiance) * light.coverage
-    of_texels = np.stack(
-        [np.ones_like(power), light.coverage, power, power * light.any_clipped], axis=-1
-    )
-    of_texels *= octahedral_solid_angles(size)[..., None]
+    of_texels = np.stack([np.ones_like(power), light.coverage, power, power * light.any_clipped])
+    of_texels *= octahedral_solid_angles(size)
     edge = size // BLOCK
-    of_blocks = of_texels.reshape(edge, BLOCK, edge, BLOCK, 4).sum(axis=(1, 3)).reshape(-1, 4)
+    in_block = np.repeat(np.eye(edge, dtype=of_texels.dtype), BLOCK, axis=0)  # sums as products
+    of_blocks = (in_block.T @ (of_texels @ in_block)).reshape(4, -1).T
     cosines = np.maximum(normals @ _block_directions(edge).T, 0.0).mean(axis=0)
     whole, seen, received, clipped = (cosines @ of_blocks).tolist()
     return LightKnowledge(seen / whole, clipped / received if received > 0.0 else 0.0)
