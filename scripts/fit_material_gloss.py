@@ -11,8 +11,8 @@ the errors on scans that were left out of the fit.
 
 from __future__ import annotations
 
+import argparse
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -127,7 +127,10 @@ def fit(rows: list[dict[str, Any]], target: str) -> None:
 
 def main() -> None:
     """Collect the materials of all scans and fit."""
-    rows = [row for scene in tqdm(find_tables(Path(sys.argv[1]))) for row in rows_of(scene)]
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("tables", type=Path, help="a folder of bags with their truth")
+    tables = parser.parse_args().tables
+    rows = [row for scene in tqdm(find_tables(tables)) for row in rows_of(scene)]
     for target in ("alpha", "strength"):
         fit(rows, target)
 

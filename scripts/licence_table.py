@@ -10,6 +10,7 @@ installed packages, and the table must name those of ``requirements/lock``.
 
 from __future__ import annotations
 
+import argparse
 import re
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -90,6 +91,7 @@ def main() -> int:
     Returns:
         0, or 1 where a package of the lock is not installed.
     """
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     run, everything = locked(LOCK / "run.txt"), locked(LOCK / "all.txt")
     rows = []
     for package, version in sorted((run | everything).items()):

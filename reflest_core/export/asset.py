@@ -17,6 +17,9 @@ from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
 from reflest_core.export.errors import ExportError
 
 Facts = dict[str, str | int | float | list[float]]
+RINGS, SEGMENTS = 32, 64
+RADIUS = 0.05
+"""Of a swatch, metres."""
 
 
 @dataclass(frozen=True)
@@ -125,7 +128,7 @@ class Asset:
         light: The environment of the scan, z up; None for none.
         light_file: Path of an environment file to refer to in place of ``light``, relative to the
             asset's folder; "" for none.
-        is_swatch: Whether the mesh is the sphere of :mod:`.sphere_mesh`, which shows a material.
+        is_swatch: Whether the mesh is the sphere of :func:`swatch`, which shows a material.
         origin: Where the mesh's coordinates begin in the world, turned to z up, metres: not 0 for
             scans far from the world's origin, whose vertices float32 could not hold.
     """
@@ -172,3 +175,41 @@ def _check(name: str, is_physical: bool, wanted: str, value: object) -> None:
     # NaN compares false, so that an unknown value fails as well.
     if not is_physical:
         raise ExportError(f"the estimate's {name} is {value}, which is not {wanted}")
+
+
+def sphere_mesh() -> AssetMesh:
+    """A sphere of radius :data:`RADIUS` around the origin."""
+    polar = np.linspace(0, math.pi, RINGS + 1)[:, None]
+    azimuth = np.linspace(0, 2 * math.pi, SEGMENTS, endpoint=False)[None]
+    x, z = np.sin(polar) * np.cos(azimuth), np.broadcast_to(np.cos(polar), (RINGS + 1, SEGMENTS))
+    y = np.sin(polar) * np.sin(azimuth)
+    normals = np.stack([x, y, z], axis=-1).reshape(-1, 3).astype(np.float32)
+
+    ring, segment = np.meshgrid(np.arange(RINGS), np.arange(SEGMENTS), indexing="ij")
+    upper, upper_next = ring * SEGMENTS + segment, ring * SEGMENTS + (segment + 1) % SEGMENTS
+    lower, lower_next = upper + SEGMENTS, upper_next + SEGMENTS
+    # At a pole one triangle of each quadrilateral has no area.
+    below_first = np.stack([upper, lower, upper_next], axis=-1)[1:].reshape(-1, 3)
+    above_last = np.stack([upper_next, lower, lower_next], axis=-1)[:-1].reshape(-1, 3)
+    faces = np.concatenate([below_first, above_last]).astype(np.int32)
+    used, flat = np.unique(faces, return_inverse=True)
+    return AssetMesh(
+        normals[used] * np.float32(RADIUS),
+        normals[used],
+        flat.reshape(-1, 3).astype(np.int32),
+        np.zeros(len(faces), np.int32),
+    )
+
+
+def swatch(estimate: BrdfEstimate, light_file: str = "") -> Asset:
+    """The sphere with an estimate's material.
+
+    Args:
+        estimate: The material.
+        light_file: Path of an environment file from the swatch's folder, or "".
+
+    Raises:
+        ExportError: A value of the estimate is not physical.
+    """
+    material = AssetMaterial.of(estimate, "reflest_material")
+    return Asset("reflest", sphere_mesh(), (material,), light_file=light_file, is_swatch=True)

@@ -121,7 +121,7 @@ def export_estimate(
         OutputError: A file cannot be written.
     """
     checked_format(path, format_name)
-    from reflest_core.export.sphere_mesh import swatch
+    from reflest_core.export.asset import swatch
 
     if light is not None:
         check_lit(light, path, format_name)

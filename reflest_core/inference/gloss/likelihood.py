@@ -75,7 +75,7 @@ class GlossFits:
     matte: float
 
 
-def fit_gloss(
+def fit_by_likelihood(
     colours: NDArray[np.uint8],
     offsets: NDArray[np.int64],
     lobes: NDArray[np.float32],

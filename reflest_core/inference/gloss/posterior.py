@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.inference.gloss.identifiability import FEWEST_VOXELS, LEAST_GAIN, identifiability
-from reflest_core.inference.gloss.likelihood import fit_gloss
+from reflest_core.inference.gloss.likelihood import fit_by_likelihood
 from reflest_core.inference.gloss.lobes import SEEN, lobe_light
-from reflest_core.inference.gloss.rated_surface import CHOSEN, RatedSurface
-from reflest_core.inference.gloss.spatial_parts import PARTS, spatial_parts
+from reflest_core.inference.gloss.rated_surface import CHOSEN, TRUST, RatedSurface
 from reflest_core.inference.transport.irradiance import DARKEST, mean_radiance
 from reflest_core.light.completion import RADIANCE, LightPyramid
 from reflest_core.surface.observed_surface import ObservedSurface
@@ -26,8 +25,9 @@ REFERENCE = 7
 """Index of the roughness whose lobe decides how far an observation's light was seen. One for all
 roughnesses, so that all are compared on the same observations."""
 WIDENING = 2.0
-TRUST = 3.0
-"""Power of a lobe's seen share by which its observation counts."""
+HALVINGS = 3
+PARTS = 2**HALVINGS
+"""Spatial parts of equal size, whose errors are nearly independent of each other's."""
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,7 @@ def gloss_posterior(
     )
     seen = np.clip(lobes[REFERENCE, :, SEEN], 0.0, 1.0).astype(np.float64)
     trust = seen**TRUST
-    fits = fit_gloss(chosen.colours, chosen.offsets, lobes, trust)
+    fits = fit_by_likelihood(chosen.colours, chosen.offsets, lobes, trust)
     of_parts = np.zeros((PARTS, len(ALPHAS)))
     np.add.at(of_parts, spatial_parts(surface.positions[voxels]), fits.of_voxels.T)
     # A clipped observation is a bound alone, and says little.
@@ -181,3 +181,36 @@ def _albedos(
         if inside.any():
             albedos[row] = diffuse[:, inside].sum(axis=1) / arriving[inside].sum(axis=0)
     return albedos
+
+
+def spatial_parts(positions: NDArray[np.float32]) -> NDArray[np.int64]:
+    """Divide voxels in space: each group is halved at the median along its longest extent.
+
+    Errors of different parts are nearly independent.
+
+    Args:
+        positions: (V, 3), metres.
+
+    Returns:
+        (V,) the part of each voxel, 0 to :data:`PARTS` - 1.
+    """
+    groups = [np.arange(len(positions))]
+    for _ in range(HALVINGS):
+        groups = [half for group in groups for half in _halves(positions, group)]
+    parts = np.zeros(len(positions), np.int64)
+    for part, group in enumerate(groups):
+        parts[group] = part
+    return parts
+
+
+def _halves(
+    positions: NDArray[np.float32], group: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The two halves of voxels with rising indices."""
+    inside = positions[group]
+    if len(group) == 0:
+        return group, group
+    longest = (inside.max(axis=0) - inside.min(axis=0)).argmax()
+    order = np.argsort(inside[:, longest], kind="stable")
+    middle = len(group) // 2
+    return group[np.sort(order[:middle])], group[np.sort(order[middle:])]

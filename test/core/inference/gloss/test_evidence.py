@@ -7,7 +7,6 @@ import dataclasses
 import numpy as np
 import pytest
 
-from reflest_core.inference.gloss.light_bands import BANDS, light_bands
 from reflest_core.inference.gloss.lobes import SEEN, lobe_light
 from reflest_core.inference.gloss.mirrored_rays import OccupiedCells, leaves_object
 from reflest_core.inference.gloss.normal_quality import (
@@ -16,8 +15,8 @@ from reflest_core.inference.gloss.normal_quality import (
     normal_deviations,
     normal_spreads,
 )
-from reflest_core.inference.gloss.rated_surface import RatedSurface
-from reflest_core.inference.gloss.spatial_parts import PARTS, spatial_parts
+from reflest_core.inference.gloss.posterior import PARTS, spatial_parts
+from reflest_core.inference.gloss.rated_surface import BANDS, RatedSurface, light_bands
 from reflest_core.inference.transport.ward_lobe import reflected
 from reflest_core.light.completion import complete
 from test.core.inference.gloss.lit_sphere import room, sphere
