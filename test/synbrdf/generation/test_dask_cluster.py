@@ -94,7 +94,8 @@ def test_a_worker_with_other_code_is_refused(cluster, tmp_path):
         executor.submit(render_agreed, GENERATION, other, task).result()
 
 
-def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path, capsys):
+def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("reflest_core.synbrdf.generation.dask_cluster.CONNECT_SECONDS", 0.5)
     nowhere = ["--scheduler", "tcp://127.0.0.1:1"]
     assert main(["synbrdf", "generate", "--out", str(tmp_path / "set"), *nowhere, *OPTIONS]) == 2
     printed = capsys.readouterr().err
