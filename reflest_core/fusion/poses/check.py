@@ -241,6 +241,8 @@ class PoseCheck:
             given = 0.0 if is_unseen else middle
             self._judged = pairs, explanation_of(list(self._apart), given)
         likely = self._judged[1].sentence or measured
+        if self._registration.is_turned:  # which looks like a mirrored world
+            likely = "of colours and depth, it is the depth images that seem to be turned"
         if is_unseen:
             return f"frames show nothing in common under their poses: {likely}" if likely else ""
         is_far_better = self._judged[1].is_found or bool(measured)

@@ -101,12 +101,14 @@ class RegistrationCheck:
         problem: A sentence where colours do not lie on the depth they came with, or "". Once found
             it stays: the surface has these colours.
         warning: The same where edges fit too poorly to be sure.
+        is_turned: Whether one of the two images is upside down, mirrored or turned.
         fit: Mean correlation of the edges of colours and depth as they came; NaN where it is
             unknown.
     """
 
     def __init__(self) -> None:
         self.problem = self.warning = ""
+        self.is_turned = False
         self.fit = math.nan
         self._maps: list[EdgeMaps] = []
         self._number = self._judged = 0
@@ -160,6 +162,7 @@ class RegistrationCheck:
             self.warning = sentence
         else:
             self.problem = sentence
+            self.is_turned = best[0].kind == "turn"
 
 
 def _best(faults: Sequence[_Fault]) -> list[_Fault]:

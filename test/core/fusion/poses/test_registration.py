@@ -102,6 +102,13 @@ def test_colour_images_turned_against_depth_are_named(frames, words, change):
     assert f"colour images seem to be {words}" in report_of(changed(frames, change)).problem
 
 
+def test_depth_upside_down_is_not_laid_to_a_mirrored_world(frames):
+    turned = [replace(frame, depth=np.ascontiguousarray(frame.depth[::-1])) for frame in frames]
+    problem = report_of(turned).problem
+    assert "it is the depth images that seem to be turned" in problem
+    assert "mirrored along" not in problem
+
+
 @pytest.mark.parametrize(
     ("right", "down", "words"),
     [
