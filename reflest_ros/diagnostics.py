@@ -146,6 +146,8 @@ class Diagnostics:
             "time of fusion (s)": f"{counts.fusion_seconds:.3f}",
             "depth agreement": f"{session.scanner.poses.agreement:.3f}",
             "colour agreement": f"{session.scanner.poses.colour_agreement:.3f}",
+            "edge agreement": f"{session.scanner.poses.edge_agreement:.3f}",
+            "warning of colours": session.scanner.poses.warning,
             "pose jumps": str(session.scanner.poses.jumps),
             "voxels": str(counts.voxels),
             "observations": str(counts.observations),

@@ -106,6 +106,11 @@ DIAGNOSTICS = {
         "Median correlation of colour detail from frame to frame where depth meets, -1 to 1; nan "
         "where nothing has texture."
     ),
+    "edge agreement": (
+        "Mean correlation of the edges of colours with those of depth, 0.1 to 0.6 where they lie "
+        "on each other; nan until 10 frames have edges."
+    ),
+    "warning of colours": "Where colours may not be registered to depth, with what to check.",
     "pose jumps": "Jumps of the tracker since the scan began; see `fusion.on_jump`.",
     "voxels": "Surface voxels in the store.",
     "observations": "Observations in the store.",

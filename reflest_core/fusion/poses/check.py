@@ -61,6 +61,8 @@ class PoseReport:
         jumps: Jumps of the tracker since the scan began.
         problem: A sentence that says what is wrong and what to change, or "".
         warning: A sentence that says what may be wrong and what to check, or "".
+        edge_agreement: Mean correlation of the edges of colours with those of depth; NaN where
+            there are none.
     """
 
     pairs: int
@@ -70,6 +72,7 @@ class PoseReport:
     jumps: int
     problem: str
     warning: str = ""
+    edge_agreement: float = math.nan
 
     def to_json(self) -> dict[str, Any]:
         """Return the fields by name; null for NaN, no problem and no warning."""
@@ -80,6 +83,7 @@ class PoseReport:
             "colour_agreement": (
                 None if math.isnan(self.colour_agreement) else self.colour_agreement
             ),
+            "edge_agreement": None if math.isnan(self.edge_agreement) else self.edge_agreement,
             "jumps": self.jumps,
             "problem": self.problem or None,
             "warning": self.warning or None,
@@ -162,6 +166,16 @@ class PoseCheck:
         return self._detector.colours.agreement
 
     @property
+    def edge_agreement(self) -> float:
+        """Mean correlation of the edges of colours and depth; NaN while unknown. For any thread."""
+        return self._registration.fit
+
+    @property
+    def warning(self) -> str:
+        """A sentence that says what may be wrong with the colours, or "". For any thread."""
+        return self._registration.warning
+
+    @property
     def jumps(self) -> int:
         """Jumps of the tracker since the scan began. For any thread."""
         return len(self._jumps)
@@ -182,7 +196,8 @@ class PoseCheck:
             self.colour_agreement,
             len(self._jumps),
             self._problem(middle),
-            self._registration.warning,
+            self.warning,
+            self.edge_agreement,
         )
 
     def _refer_to(self, sample: DepthSample, is_after_jump: bool = False) -> None:

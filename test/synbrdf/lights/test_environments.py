@@ -1,5 +1,7 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
+import importlib
+
 import cv2
 import numpy as np
 import pytest
@@ -130,3 +132,9 @@ def test_skies_need_no_file_and_differ():
         row = np.unravel_index(sky.sum(-1).argmax(), (32, 64))[0]
         assert row < 16
         assert sky.max() > 20 * np.median(sky)
+
+
+def test_scripts_of_users_find_environments_by_their_first_name():
+    by_name = importlib.import_module("reflest_core.synbrdf.environments")
+    assert by_name.find_environments is find_environments
+    assert by_name.load_environment is load_environment

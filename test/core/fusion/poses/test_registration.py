@@ -138,6 +138,7 @@ def test_colours_of_another_field_of_view_are_measured(frames, across, down, wor
 @pytest.mark.parametrize("spoil", [list, noisy])
 def test_parts_of_right_captures_raise_nothing(frames, stride, length, spoil):
     report = report_of(spoil(frames[::stride][:length]))
+    assert report.edge_agreement > 0.15
     assert report.problem == ""
     assert report.warning == ""
 
