@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Finds focal lengths, a centre or a scale of positions that make views far apart meet.
+"""Finds intrinsics, a mounting or a scale of positions under which views far apart meet.
 
 A wrong value is named where nearly every pair of views meets better under another one, and then as
 well as the views of a right capture do.
@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import astuple, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,6 +23,8 @@ FEWEST_PAIRS = 6
 """Pairs of views from which on a capture is judged."""
 RETRY = 1.5
 """It is judged again when there are so many times more views."""
+POOR = 0.3
+"""Cost from which on all readings are searched; else only if one that is near costs less."""
 LOWER = 0.9
 """A reading's cost is less than this share of the given one's: right captures give 0.96 to 1."""
 NEARLY_EVERY = 0.95
@@ -38,15 +40,25 @@ second."""
 FOCALS = (0.5, 0.6, 0.67, 0.75, 0.85, 1.0, 1.15, 1.33, 1.5, 1.7, 2.0)
 """Factors from which the search begins."""
 SCALES = (0.5, 0.7, 0.85, 1.0, 1.15, 1.4, 2.0)
-STARTS = 3
+STARTS = 2
 """The search goes on from so many of the best of these."""
-STEPS = {"focal": 0.06, "right": 0.01, "down": 0.01, "scale": 0.06}
-"""First steps of the search: of factors, relative; of the centre, shares of the focal length."""
+STEPS = {
+    "focal": 0.06,
+    "right": 0.01,
+    "down": 0.01,
+    "scale": 0.06,
+    "x": 0.01,
+    "y": 0.01,
+    "z": 0.01,
+}
+"""First steps of the search: of factors, relative; of the centre, shares of the focal length; of
+the mounting, metres."""
 FINEST = 1 / 16
 """The last steps over the first."""
-LEAST_FACTOR, LEAST_SHIFT = 0.02, 0.008
+LEAST_FACTOR, LEAST_SHIFT, LEAST_MOVE = 0.02, 0.008, 0.005
 """Smaller deviations are not named: they do not matter beside a sensor's own errors."""
-READINGS = (("focal",), ("scale",), ("right", "down"), ("focal", "right", "down"))
+FOCAL, SCALE, CENTRE, MOUNTING = ("focal",), ("scale",), ("right", "down"), ("x", "y", "z")
+READINGS: tuple[tuple[str, ...], ...] = (FOCAL, SCALE, CENTRE, MOUNTING, (*FOCAL, *CENTRE))
 """What is searched together, the simplest first."""
 
 
@@ -87,10 +99,18 @@ class CalibrationCheck:
         pairs = ViewPairs(list(self._views))
         if len(pairs) < FEWEST_PAIRS:
             return
-        reading = _best_reading(pairs)
-        self.problem = "" if reading is None else self._sentence(reading)
+        readings = _best_readings(pairs)
+        if readings:
+            parts, advice = zip(*(self._described(reading) for reading in readings), strict=True)
+            self.problem = (
+                f"views far apart meet clearly better under {', or under '.join(parts)}: check "
+                f"{'; '.join(advice)}"
+            )
+        else:
+            self.problem = ""
 
-    def _sentence(self, reading: Reading) -> str:
+    def _described(self, reading: Reading) -> tuple[str, str]:
+        """What a reading changes, and what to check then."""
         parts, advice = [], []
         if reading.focal != 1.0:
             parts.append(f"focal lengths {_factor(reading.focal)}")
@@ -102,10 +122,11 @@ class CalibrationCheck:
         if reading.scale != 1.0:
             parts.append(f"positions {_factor(reading.scale)}")
             advice.append("the tracker's unit and capture.depth_scale")
-        return (
-            f"views far apart meet clearly better under {' and '.join(parts)}: check "
-            f"{'; '.join(advice)}"
-        )
+        if reading.x or reading.y or reading.z:
+            place = f"{reading.x:+.3f} (right), {reading.y:+.3f} (down), {reading.z:+.3f} (forward)"
+            parts.append(f"a camera moved against its pose by {place} m")
+            advice.append("the position in capture.pose_to_camera")
+        return " and ".join(parts), " and ".join(advice)
 
 
 def _factor(factor: float) -> str:
@@ -113,12 +134,17 @@ def _factor(factor: float) -> str:
     return f"{factor if longer else 1.0 / factor:.3g} times {'longer' if longer else 'shorter'}"
 
 
-def _best_reading(pairs: ViewPairs) -> Reading | None:
-    """The simplest reading under which the views meet as those of a right capture; or None."""
+def _best_readings(pairs: ViewPairs) -> list[Reading]:
+    """The simplest reading under which the views meet as those of a right capture.
+
+    Returns:
+        One; two where a wrong centre and a wrong mounting explain the views as well; or none.
+    """
     given = pairs.meet(Reading())
-    every = _searched(pairs, READINGS[-1], (Reading(),))
-    if pairs.meet(every).cost >= LOWER * given.cost and given.cost < 0.3:
-        return None
+    quick = [_searched(pairs, names, (Reading(),)) for names in READINGS[-2:]]
+    least = min(pairs.meet(reading).cost for reading in quick)
+    if least >= LOWER * given.cost and given.cost < POOR:
+        return []
     found = []
     for names in READINGS:
         starts = [Reading()]
@@ -129,14 +155,22 @@ def _best_reading(pairs: ViewPairs) -> Reading | None:
         reading = _searched(pairs, names, starts)
         found.append((pairs.meet(reading).cost, reading))
     limit = AS_WELL[0] * min(cost for cost, _ in found) + AS_WELL[1]
-    as_good = [_without_trifles(reading) for cost, reading in found if cost <= limit]
-    reading = as_good[0]
+    as_good = {
+        names: _without_trifles(reading)
+        for names, (cost, reading) in zip(READINGS, found, strict=True)
+        if cost <= limit
+    }
+    names, reading = next(iter(as_good.items()))
     if reading == Reading() or not _is_clear(given, pairs.meet(reading)):
-        return None
-    simple = [
-        other for other in as_good[1:] if sum(np.not_equal(astuple(other), astuple(Reading()))) == 1
-    ]
-    return None if reading.focal != 1.0 and any(one.scale != 1.0 for one in simple) else reading
+        return []
+    if names == FOCAL and SCALE in as_good:
+        return []
+    if float(np.median(pairs.meet(reading).shares)) < MEETS and any(
+        other not in (names, names[:1], names[1:]) and _is_clear(given, pairs.meet(one))
+        for other, (_, one) in zip(READINGS[:-1], found, strict=False)
+    ):
+        return []  # coarse poses: a wrong one may fit better than the right one
+    return [reading, as_good[MOUNTING]] if names == CENTRE and MOUNTING in as_good else [reading]
 
 
 def _is_clear(given: Meeting, found: Meeting) -> bool:
@@ -150,15 +184,16 @@ def _is_clear(given: Meeting, found: Meeting) -> bool:
 
 def _without_trifles(reading: Reading) -> Reading:
     """Take deviations that do not matter as none."""
-    return Reading(
-        1.0 if abs(math.log(reading.focal)) < LEAST_FACTOR else reading.focal,
-        *(
-            (0.0, 0.0)
-            if math.hypot(reading.right, reading.down) < LEAST_SHIFT
-            else (reading.right, reading.down)
-        ),
-        1.0 if abs(math.log(reading.scale)) < LEAST_FACTOR else reading.scale,
-    )
+    found = reading
+    if abs(math.log(reading.focal)) < LEAST_FACTOR:
+        found = replace(found, focal=1.0)
+    if abs(math.log(reading.scale)) < LEAST_FACTOR:
+        found = replace(found, scale=1.0)
+    if math.hypot(reading.right, reading.down) < LEAST_SHIFT:
+        found = replace(found, right=0.0, down=0.0)
+    if math.hypot(reading.x, reading.y, reading.z) < LEAST_MOVE:
+        found = replace(found, x=0.0, y=0.0, z=0.0)
+    return found
 
 
 def _searched(pairs: ViewPairs, names: Sequence[str], starts: Sequence[Reading]) -> Reading:

@@ -20,7 +20,7 @@ from reflest_core.jit import compiled
 
 COLUMNS = 160
 """Columns of a reduced depth map, about."""
-SAMPLES = 400
+SAMPLES = 250
 """Samples of a view that are compared with another one, about."""
 MOST_PAIRS = 24
 MOST_TURN = math.radians(60.0)
@@ -35,19 +35,25 @@ SMOOTH = 0.05
 
 @dataclass(frozen=True)
 class Reading:
-    """Other intrinsics and positions than the given ones.
+    """Other intrinsics, positions and mounting than the given ones.
 
     Attributes:
         focal: Factor on the focal lengths.
         right: The centre's shift along x as a share of the given focal length.
         down: The same along y.
         scale: Factor on the positions.
+        x: The optical frame's place in the frame whose pose was given, metres.
+        y: The same, down.
+        z: The same, forward.
     """
 
     focal: float = 1.0
     right: float = 0.0
     down: float = 0.0
     scale: float = 1.0
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
 
 
 class View:
@@ -137,8 +143,11 @@ def _compared_pair(
     pair: tuple[View, View, NDArray[np.float64]], reading: Reading
 ) -> tuple[float, int, int]:
     earlier, later, relative = pair
-    values = reading.focal, reading.right, reading.down, reading.scale
-    return _compared(later.rays, relative, earlier.depth, earlier.pinhole, *values)
+    values = reading.focal, reading.right, reading.down
+    moved = relative.copy()
+    place = np.array([reading.x, reading.y, reading.z])
+    moved[:3, 3] = relative[:3, :3] @ place + reading.scale * relative[:3, 3] - place
+    return _compared(later.rays, moved, earlier.depth, earlier.pinhole, *values)
 
 
 @compiled
@@ -150,7 +159,6 @@ def _compared(
     focal: float,
     right: float,
     down: float,
-    scale: float,
 ) -> tuple[float, int, int]:
     """Return the summed cost, how many samples are near, and how many are in sight of both."""
     fx, fy, cx, cy = pinhole
@@ -161,13 +169,13 @@ def _compared(
         x = (rays[index, 0] - right) / focal * z
         y = (rays[index, 1] - down) / focal * z
         away = transform[2, 0] * x + transform[2, 1] * y + transform[2, 2] * z
-        away += transform[2, 3] * scale
+        away += transform[2, 3]
         if not away > 0.0:
             continue
         across = transform[0, 0] * x + transform[0, 1] * y + transform[0, 2] * z
         along = transform[1, 0] * x + transform[1, 1] * y + transform[1, 2] * z
-        column = fx * (focal * (across + transform[0, 3] * scale) / away + right) + cx
-        row = fy * (focal * (along + transform[1, 3] * scale) / away + down) + cy
+        column = fx * (focal * (across + transform[0, 3]) / away + right) + cx
+        row = fy * (focal * (along + transform[1, 3]) / away + down) + cy
         if not (0.0 <= column < width - 1 and 0.0 <= row < height - 1):
             continue
         there = _depth_at(depth, row, column)
