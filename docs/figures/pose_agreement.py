@@ -25,11 +25,16 @@ Fault = Callable[[list[Frame]], list[Frame]]
 MIRROR = np.diag([1.0, -1.0, 1.0, 1.0])
 JUMP = 0.06
 """Metres that the tracker jumps by, along x and z each over the root of two."""
+MOUNTING = rigid_matrix(np.array([0.05, 0.02, 0.0]), np.array([0.0, 0.0, 0.0, 1.0]))
+POSITIONS = np.ones((4, 4))
+POSITIONS[:3, 3] = 0.8
 MISTAKES: dict[str, Callable[[Pose], Pose]] = {
     "as it is": lambda pose: pose,
     "poses of camera_link": lambda pose: pose @ np.linalg.inv(OPTICAL_IN_BODY),
     "inverse poses": lambda pose: np.linalg.inv(pose),
     "mirrored world": lambda pose: MIRROR @ pose @ MIRROR,
+    "camera 5 cm from its pose": lambda pose: pose @ np.linalg.inv(MOUNTING),
+    "positions x 0.8": lambda pose: pose * POSITIONS,
 }
 
 
@@ -95,6 +100,7 @@ FAULTS: dict[str, Fault] = {
     "colours reversed": _reversed,
     "colours upside down": _changed(lambda rgb: rgb[::-1]),
     "colours mirrored": _changed(lambda rgb: rgb[:, ::-1]),
+    "colours turned by 180 degrees": _changed(lambda rgb: rgb[::-1, ::-1]),
     "colours 10 pixels to the right": _changed(lambda rgb: np.roll(rgb, 10, axis=1)),
     "colours enlarged by a third": _changed(_wider),
     "colours of other frames": _shuffled,
