@@ -93,6 +93,7 @@ def mesh_of_voxels(
         np.concatenate([positions, base.positions]),
         np.concatenate([normals, base.normals]),
         voxel_size,
+        len(positions),
     )
     if is_watertight:
         return _closed(base.levelled(_largest_piece(mesh)), positions, faces)
@@ -134,7 +135,7 @@ def _closed(mesh: TriangleMesh, observed: NDArray[np.float32], faces: int) -> Tr
 
 
 def _poisson(
-    positions: NDArray[np.float32], normals: NDArray[np.float32], voxel_size: float
+    positions: NDArray[np.float32], normals: NDArray[np.float32], voxel_size: float, scanned: int
 ) -> TriangleMesh:
     """The closed surface through voxels."""
     o3d = open3d()
@@ -145,11 +146,9 @@ def _poisson(
             cloud, depth=0, width=POISSON_VOXELS * voxel_size, n_threads=1
         )
     except RuntimeError as error:  # of Open3D, where too few points span too little
-        raise ExportError(
-            f"{len(positions)} voxels make no surface: scan more of the object"
-        ) from error
+        raise ExportError(f"{scanned} voxels make no surface: scan more of the object") from error
     if not len(mesh.triangles):
-        raise ExportError(f"{len(positions)} voxels make no surface: scan more of the object")
+        raise ExportError(f"{scanned} voxels make no surface: scan more of the object")
     return TriangleMesh(
         np.asarray(mesh.vertices).astype(np.float32), np.asarray(mesh.triangles).astype(np.int32)
     )
