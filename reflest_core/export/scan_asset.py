@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +21,10 @@ from reflest_core.export.asset import Asset, AssetMaterial, AssetMesh
 from reflest_core.export.atlas import Atlas, unwrapped
 from reflest_core.export.bake import covered_texels, filled, interpolated
 from reflest_core.export.errors import ExportError
+from reflest_core.export.material_seams import cut_at_seams
 from reflest_core.export.microfacet_material import MicrofacetMaterial, base_colour
 from reflest_core.export.scanned_mesh import scanned_mesh
-from reflest_core.export.triangle_mesh import TriangleMesh
+from reflest_core.export.triangle_mesh import TriangleMesh, decimated
 from reflest_core.fusion.scan import Scan
 from reflest_core.surface.upright import rotation_to_z, upright
 
@@ -31,6 +33,12 @@ SIZES = (256, 512, 1024, 2048, 4096)
 """Texture sizes to choose from."""
 TEXELS_PER_VOXEL = 2.0
 """Along each direction, where the largest texture allows that."""
+VOTERS = 9
+"""Voxels that vote for the material of a place."""
+TURNED = 6.0
+"""Voxels that a voxel counts as farther for each unit that its normal differs."""
+SURPLUS = 1.2
+"""So many faces less for each that cuts add too much; the larger faces get cuts, too."""
 UNKNOWN = np.float32(-1.0)
 """A standard deviation that is not known, in vertex attributes."""
 
@@ -108,8 +116,8 @@ def mesh_asset(
         AssetMaterial.of(one.estimate, f"{stem}_{one.id}", one.id) for one in found.materials
     )
     index_of = {one.id: index for index, one in enumerate(found.materials)}
-    voxels = _Voxels(found, index_of)
-    labels = voxels.material_of(mesh.vertices[mesh.faces].mean(axis=1))
+    voxels = _Voxels(found, index_of, voxel_size)
+    mesh, labels = _seamed(mesh, voxels, settings.faces)
     size = settings.texture_size or _texture_size(mesh, voxel_size)
     atlas = unwrapped(mesh, labels, size)
     texture = _baked(mesh, labels, atlas, voxels, materials, voxel_size)
@@ -137,22 +145,48 @@ def _light(found: MaterialMap, up: tuple[float, float, float]) -> EnvironmentMap
 class _Voxels:
     """The voxels of the map's materials, to look up by position."""
 
-    def __init__(self, found: MaterialMap, index_of: dict[int, int]) -> None:
+    def __init__(self, found: MaterialMap, index_of: dict[int, int], voxel_size: float) -> None:
         ids = found.material_ids
         labels = np.array([index_of.get(int(one), -1) for one in ids], np.int32)
         is_used = labels >= 0
         self.labels = labels[is_used]
+        self.voxel_size = voxel_size
         self.positions = found.surface.positions[is_used]
+        self.normals = found.surface.normals[is_used]
         self.rho_d, self.rho_d_stddev = found.rho_d[is_used], found.rho_d_stddev[is_used]
         self.tree = cKDTree(self.positions)
 
-    def material_of(self, places: NDArray[np.float32]) -> NDArray[np.int32]:
-        """(P,) index of the material that most of the five nearest voxels have."""
-        count = min(5, len(self.labels))
-        _, near = self.tree.query(places, k=count)
+    @cached_property
+    def _facing_tree(self) -> cKDTree:
+        return cKDTree(np.hstack([self.positions, TURNED * self.voxel_size * self.normals]))
+
+    def material_at(
+        self, places: NDArray[np.float64], normals: NDArray[np.float64]
+    ) -> NDArray[np.int32]:
+        """(P,) index of the material that most of the nearest voxels have.
+
+        Voxels that face elsewhere count as farther: where an object stands on a table the seam
+        follows the edge between both.
+        """
+        lengths = np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+        facing = TURNED * self.voxel_size * normals / lengths
+        count = min(VOTERS, len(self.labels))
+        _, near = self._facing_tree.query(np.hstack([places, facing]), k=count)
         labels = self.labels[near.reshape(-1, count)]
         votes = (labels[:, :, None] == labels[:, None, :]).sum(axis=2)
         return np.take_along_axis(labels, votes.argmax(axis=1)[:, None], axis=1)[:, 0]
+
+
+def _seamed(
+    mesh: TriangleMesh, voxels: _Voxels, faces: int
+) -> tuple[TriangleMesh, NDArray[np.int32]]:
+    """The mesh, cut along the materials' borders into at most ``faces``, and its faces' labels."""
+    cut, labels = cut_at_seams(mesh, voxels.material_at)
+    surplus = len(cut.faces) - faces
+    if surplus > 0:
+        fewer = decimated(mesh, max(len(mesh.faces) - round(SURPLUS * surplus), 4))
+        cut, labels = cut_at_seams(fewer, voxels.material_at)
+    return cut, labels
 
 
 def _texture_size(mesh: TriangleMesh, voxel_size: float) -> int:

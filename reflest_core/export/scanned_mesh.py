@@ -31,8 +31,6 @@ POISSON_VOXELS = 1.0
 """Cells of the Poisson reconstruction are about so many voxels wide."""
 FARTHEST_CLOSED = 0.3
 """Share of the scan's size by which a closed surface may pass it."""
-CLOSED_TARGETS = (1.0, 0.97, 0.94, 0.91, 0.88, 0.8, 0.7)
-"""Shares of the faces asked for, which are tried until the decimated mesh is still closed."""
 Z_UP = (0.0, 0.0, 1.0)
 
 
@@ -96,7 +94,9 @@ def mesh_of_voxels(
         len(positions),
     )
     if is_watertight:
-        return _closed(base.levelled(_largest_piece(mesh)), positions, faces)
+        mesh = base.levelled(_largest_piece(mesh))
+        check_closed(mesh, positions)
+        return decimated(mesh, faces)
     mesh = _trimmed(mesh, positions, base.positions, voxel_size)
     mesh = _without_loose_pieces(mesh, voxel_size)
     if not len(mesh.faces):
@@ -122,16 +122,6 @@ def check_closed(mesh: TriangleMesh, observed: NDArray[np.float32]) -> None:
             "the scan is an open surface, such as a wall seen from one side, and cannot be closed: "
             "scan one object or a table with a region of interest, or export without --watertight"
         )
-
-
-def _closed(mesh: TriangleMesh, observed: NDArray[np.float32], faces: int) -> TriangleMesh:
-    """The decimated mesh; as collapses may join sheets at an edge, the first target without any."""
-    check_closed(mesh, observed)
-    for share in CLOSED_TARGETS:
-        found = decimated(mesh, int(share * faces))
-        if found.is_closed:
-            return found
-    return mesh
 
 
 def _poisson(

@@ -14,6 +14,9 @@ from scipy.sparse.csgraph import connected_components
 
 from reflest_core.export.libraries import library
 
+CLOSED_TARGETS = (1.0, 0.97, 0.94, 0.91, 0.88, 0.8, 0.7)
+"""Shares of the faces asked for, which are tried until a closed mesh is still closed."""
+
 
 @dataclass(frozen=True)
 class TriangleMesh:
@@ -86,14 +89,31 @@ def decimated(mesh: TriangleMesh, faces: int) -> TriangleMesh:
     """Simplify a mesh by quadric error metrics (Garland and Heckbert 1997).
 
     Args:
-        mesh: Any mesh.
+        mesh: Any mesh; a closed one stays closed.
         faces: About so many are left.
 
     Raises:
         ExportError: A package of the extra ``asset`` is missing.
     """
-    if len(mesh.faces) > faces:
-        simplify: Any = library("fast_simplification").simplify
-        vertices, triangles = simplify(mesh.vertices, mesh.faces, target_count=faces)
-        mesh = TriangleMesh(vertices.astype(np.float32), triangles.astype(np.int32))
-    return mesh.kept(np.linalg.norm(mesh.face_normals, axis=1) > 0.0)
+    if len(mesh.faces) <= faces:
+        return _without_flat_faces(mesh)
+    if not mesh.is_closed:
+        return _without_flat_faces(_simplified(mesh, faces))
+    # Collapses may join two sheets at an edge: other targets take other turns.
+    for share in CLOSED_TARGETS:
+        found = _simplified(mesh, int(share * faces))
+        if found.is_closed:
+            return found
+    return mesh
+
+
+def _simplified(mesh: TriangleMesh, faces: int) -> TriangleMesh:
+    simplify: Any = library("fast_simplification").simplify
+    vertices, triangles = simplify(mesh.vertices, mesh.faces, target_count=faces)
+    return TriangleMesh(vertices.astype(np.float32), triangles.astype(np.int32))
+
+
+def _without_flat_faces(mesh: TriangleMesh) -> TriangleMesh:
+    """An open mesh without faces that have no area; a closed one as it is."""
+    is_flat = ~(mesh.face_areas > 0.0)
+    return mesh if mesh.is_closed or not is_flat.any() else mesh.kept(~is_flat)
