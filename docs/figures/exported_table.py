@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draws docs/images/export-table.png: a photograph beside the exported scan in its own light.
 
-``python docs/figures/exported_table.py BAG OUT.png``, with a bag of ``reflest synbrdf tabletop``.
+``python docs/figures/exported_table.py captures/table OUT.png``, or another capture of a table.
 The right half is what Mitsuba renders of ``reflest export --format mitsuba-stock``, from the camera
 of the bag's first frame.
 """
