@@ -99,11 +99,19 @@ def colours_meet(
 
 
 @compiled
-def _reduced(rgb: NDArray[np.uint8], size: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def grey_blocks(rgb: NDArray[np.uint8], size: int) -> NDArray[np.float32]:
+    """Average an image over squares, of whose pixels about every second one is read.
+
+    Args:
+        rgb: (H, W, 3).
+        size: Pixels along a square's side.
+
+    Returns:
+        (H // size, W // size) float32 mean of the channels, 0 to 255.
+    """
     height, width = rgb.shape[0] // size, rgb.shape[1] // size
     step = max(size // 2, 1)
     each = 3.0 * ((size + step - 1) // step) ** 2
-    sums = np.zeros((height + 1, width + 1), np.float32)
     grey = np.empty((height, width), np.float32)
     for row in range(height):
         totals = np.zeros(width, np.int32)
@@ -113,9 +121,19 @@ def _reduced(rgb: NDArray[np.uint8], size: int) -> tuple[NDArray[np.float32], ND
                     totals[column] += rgb[y, x, 0]
                     totals[column] += rgb[y, x, 1]
                     totals[column] += rgb[y, x, 2]
-        along = 0.0
         for column in range(width):
             grey[row, column] = totals[column] / each
+    return grey
+
+
+@compiled
+def _reduced(rgb: NDArray[np.uint8], size: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    grey = grey_blocks(rgb, size)
+    height, width = grey.shape
+    sums = np.zeros((height + 1, width + 1), np.float32)
+    for row in range(height):
+        along = 0.0
+        for column in range(width):
             along += grey[row, column]
             sums[row + 1, column + 1] = sums[row, column + 1] + along
     rows, columns = min(THUMBNAIL, height), min(THUMBNAIL, width)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.frame import Frame
+from reflest_core.fusion.poses.colour_agreement import grey_blocks
 from reflest_core.jit import compiled, kernel_array
 
 COLUMNS = 160
@@ -90,20 +91,8 @@ def _edges(
     rgb: NDArray[np.uint8], depth: NDArray[np.float32], size: int
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Strength of colour edges in [0, 1), and 1 on depth edges, of the reduced image."""
-    height, width = rgb.shape[0] // size, rgb.shape[1] // size
-    step = max(size // 2, 1)
-    each = np.float32(3.0 * ((size + step - 1) // step) ** 2)
-    grey = np.empty((height, width), np.float32)
-    for row in range(height):
-        totals = np.zeros(width, np.int32)
-        for y in range(row * size, (row + 1) * size, step):
-            for column in range(width):
-                for x in range(column * size, (column + 1) * size, step):
-                    totals[column] += rgb[y, x, 0]
-                    totals[column] += rgb[y, x, 1]
-                    totals[column] += rgb[y, x, 2]
-        for column in range(width):
-            grey[row, column] = totals[column] / each
+    grey = grey_blocks(rgb, size)
+    height, width = grey.shape
     colour = np.zeros((height, width), np.float32)
     steps = np.zeros((height, width), np.float32)
     for row in range(1, height - 1):
