@@ -30,6 +30,8 @@ FACING_DOWN = -0.2
 """Cosine to up below which a voxel's normal faces down."""
 CLOSED_BELOW = 0.5
 """A surface is closed below if the lowest voxel of this share of its columns faces down."""
+MOST_CELLS = 2048
+"""Of the grid of columns along each axis: things far apart get a coarser one."""
 LEVELLED_WITHIN = 1.0
 """Vertices of the reconstruction within so many voxels of the base are put on it."""
 
@@ -84,8 +86,9 @@ def base_below(
     upright = positions.astype(np.float64) @ rotation.T
     low = float(np.percentile(upright[:, 2], LOWEST))
     height = low - THICKNESS * voxel_size
-    corner = upright[:, :2].min(axis=0) - (CLOSED_CELLS + 2) * voxel_size
-    cells = np.floor((upright[:, :2] - corner) / voxel_size).astype(np.int64)
+    cell = max(voxel_size, float(np.ptp(upright[:, :2], axis=0).max()) / MOST_CELLS)
+    corner = upright[:, :2].min(axis=0) - (CLOSED_CELLS + 2) * cell
+    cells = np.floor((upright[:, :2] - corner) / cell).astype(np.int64)
     shape = tuple(cells.max(axis=0) + CLOSED_CELLS + 3)
     columns = tuple(cells.T)
     lowest = np.full(shape, np.inf)
@@ -97,10 +100,8 @@ def base_below(
         is_base = lowest < low + REACH * voxel_size
         is_base = binary_fill_holes(binary_closing(is_base, iterations=CLOSED_CELLS))
         below = np.argwhere(is_base)
-        underside = np.column_stack(
-            [corner + (below + 0.5) * voxel_size, np.full(len(below), height)]
-        )
-        wall, of_wall = _walls(is_base, lowest, low, height, corner, voxel_size)
+        underside = np.column_stack([corner + (below + 0.5) * cell, np.full(len(below), height)])
+        wall, of_wall = _walls(is_base, lowest, low, height, corner, cell)
         points = np.concatenate([underside, wall])
         of_points = np.concatenate([np.tile([0.0, 0.0, -1.0], (len(below), 1)), of_wall])
     return FlatBase(
@@ -118,7 +119,7 @@ def _walls(
     low: float,
     height: float,
     corner: NDArray[np.float64],
-    voxel_size: float,
+    cell: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Points and outward normals of the walls from the base up to the surface at its rim."""
     rim = np.argwhere(is_base & ~binary_erosion(is_base))
@@ -128,9 +129,9 @@ def _walls(
     outward /= np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-9)
     tops = lowest[rim[:, 0], rim[:, 1]]
     tops = np.where(np.isfinite(tops), tops, low)
-    counts = np.maximum(np.floor((tops - height) / voxel_size).astype(np.int64), 1)
+    counts = np.maximum(np.floor((tops - height) / cell).astype(np.int64), 1)
     of_rim = np.repeat(np.arange(len(rim)), counts)
     step = np.arange(len(of_rim)) - np.repeat(np.cumsum(counts) - counts, counts)
-    places = corner + (rim[of_rim] + 0.5 + 0.5 * outward[of_rim]) * voxel_size
-    points = np.column_stack([places, height + (step + 0.5) * voxel_size])
+    places = corner + (rim[of_rim] + 0.5 + 0.5 * outward[of_rim]) * cell
+    points = np.column_stack([places, height + (step + 0.5) * cell])
     return points, np.column_stack([outward[of_rim], np.zeros(len(of_rim))])
