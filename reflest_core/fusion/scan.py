@@ -75,8 +75,8 @@ class Scan(ScanState):
             What was done with the frame.
 
         Raises:
-            FrameRefused: ``STAMP_INVALID``, ``TIME_BACKWARDS``, ``POSE_INVALID``, ``DEPTH_EMPTY`` or
-                ``NO_OVERLAP``; nothing has changed.
+            FrameRefused: ``STAMP_INVALID``, ``TIME_BACKWARDS``, ``POSE_INVALID``, ``DEPTH_EMPTY``
+                or ``NO_OVERLAP``; nothing has changed.
         """
         whole = self._placed(frame)
         sphere, region = self._extent(whole)
