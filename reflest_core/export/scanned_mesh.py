@@ -94,7 +94,7 @@ def mesh_of_voxels(
         len(positions),
     )
     if is_watertight:
-        mesh = base.levelled(_largest_piece(mesh))
+        mesh = base.levelled(_scanned_pieces(mesh, positions, voxel_size))
         check_closed(mesh, positions)
         return decimated(mesh, faces)
     mesh = _trimmed(mesh, positions, base.positions, voxel_size)
@@ -170,6 +170,16 @@ def _without_loose_pieces(mesh: TriangleMesh, voxel_size: float) -> TriangleMesh
     return mesh.kept(is_large[piece])
 
 
-def _largest_piece(mesh: TriangleMesh) -> TriangleMesh:
+def _scanned_pieces(
+    mesh: TriangleMesh, observed: NDArray[np.float32], voxel_size: float
+) -> TriangleMesh:
+    """The pieces that observed voxels lie on, without noise; what was closed elsewhere is left out.
+
+    Each object of a scan without a table is a piece of its own.
+    """
     piece = mesh.pieces()
-    return mesh.kept(piece == np.bincount(piece, mesh.face_areas).argmax())
+    places = mesh.vertices[mesh.faces].mean(axis=1)
+    is_near = cKDTree(observed).query(places)[0] <= OBSERVED_WITHIN * voxel_size
+    scanned = np.bincount(piece, mesh.face_areas * is_near)
+    is_kept = scanned >= min(SMALLEST_PIECE * voxel_size**2, scanned.max(initial=0.0))
+    return mesh.kept(is_kept[piece])

@@ -97,6 +97,17 @@ def test_the_base_follows_up(solid):
     assert turned.vertices[:, 0].min() == pytest.approx(solid.vertices[:, 2].min(), abs=1e-4)
 
 
+def test_a_watertight_export_has_every_object():
+    towards = np.random.default_rng(0).normal(size=(6000, 3))
+    normals = (towards / np.linalg.norm(towards, axis=1, keepdims=True)).astype(np.float32)
+    smaller = normals * np.float32(0.04) + np.float32([0.3, 0.0, 0.0])
+    positions = np.concatenate([normals * np.float32(0.05), smaller])
+    mesh = mesh_of_voxels(positions, np.concatenate([normals, normals]), 0.005, 20_000, True)
+    assert mesh.is_closed
+    assert len(np.unique(mesh.pieces())) == 2
+    np.testing.assert_allclose(np.ptp(mesh.vertices, axis=0), [0.39, 0.1, 0.1], atol=0.003)
+
+
 def test_a_watertight_mesh_stays_closed_at_any_number_of_faces():
     for faces in (300, 2_000, 7_000):
         small = scanned_mesh(scan(), faces, is_watertight=True)
