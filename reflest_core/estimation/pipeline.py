@@ -186,17 +186,19 @@ class Pipeline:
         around = None
         if most_voxels <= MOST_VOXELS:
             around = self.scan.snapshot_around_middle(most_voxels)
-        return self._as_keyframe(self.scan.snapshot(most_voxels), around)
+        poses = self.poses.report
+        return self._as_keyframe(self.scan.snapshot(most_voxels), around, poses)
 
     def keyframe_snapshot(self) -> KeyframeSnapshot:
         """Copy what the estimate at a keyframe needs, once: every copy delays the next frame."""
-        around = self.scan.snapshot_around_middle()
+        around, poses = self.scan.snapshot_around_middle(), self.poses.latest_report
         if around is None or self.is_all_shown():
-            return self._as_keyframe(self.scan.snapshot(), around)
-        return self._as_keyframe(replace(around, light=self.scan.light.observed()), around)
+            return self._as_keyframe(self.scan.snapshot(), around, poses)
+        surface = replace(around, light=self.scan.light.observed())
+        return self._as_keyframe(surface, around, poses)
 
     def _as_keyframe(
-        self, surface: ObservedSurface, around: ObservedSurface | None
+        self, surface: ObservedSurface, around: ObservedSurface | None, poses: PoseReport
     ) -> KeyframeSnapshot:
         scan, problem = self.scan, ""
         if self._known_light is not None and surface.light is not None:
@@ -211,7 +213,7 @@ class Pipeline:
             scan.store.observed_count,
             scan.observation_count,
             problem,
-            self.poses.report,
+            poses,
             self._memory if scan.region_settings.shape == "none" else None,
             None if scan.middle is None else scan.middle + scan.origin,
             None if around is None else replace(around, light=surface.light),

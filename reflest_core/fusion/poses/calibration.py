@@ -10,19 +10,27 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from reflest_core.fusion.poses.agreement import DepthSample
 from reflest_core.fusion.poses.distant_views import Meeting, Reading, View, ViewPairs
+from reflest_core.fusion.poses.stepwise import StepwiseWork
 
 MOST_VIEWS = 24
 FEWEST_PAIRS = 6
 """Pairs of views from which on a capture is judged."""
-RETRY = 1.5
+FEWEST_VIEWS = 4
+"""Views from which on it is judged."""
+RETRY = 2.0
 """It is judged again when there are so many times more views."""
+STEPS_OF_FRAME = 16
+"""Readings that are compared at each frame, of 0.1 to 0.25 ms each."""
+COARSE, COARSE_STEP, MAY_BE_LOWER = 3, 1 / 4, 0.95
+"""Whether a near reading may cost less is searched on every so many samples, with such last steps
+over the first; all readings are searched where it costs less than such a share."""
 POOR = 0.3
 """Cost from which on all readings are searched; else only if one that is near costs less."""
 LOWER = 0.9
@@ -74,6 +82,7 @@ class CalibrationCheck:
         self._views: deque[View] = deque(maxlen=MOST_VIEWS)
         self._added = self._judged = 0
         self._focals = (0.0, 0.0)
+        self._work = StepwiseWork()
 
     def add(self, sample: DepthSample) -> None:
         """Take a view.
@@ -89,17 +98,33 @@ class CalibrationCheck:
     def restart(self) -> None:
         """Compare the next view with none before it."""
         self._views.clear()
+        self._work.cancel()
         self._added = self._judged = 0
 
+    def advance(self) -> None:
+        """Do a frame's share of a judgement, if enough more views were added since the last."""
+        if not self._work.is_running and self._added >= RETRY * self._judged:
+            self._begin()
+        self._work.advance(STEPS_OF_FRAME)
+
     def judge(self) -> None:
-        """Compare the views, where there are enough more of them than at the last time."""
-        if len(self._views) < 4 or self._added < RETRY * self._judged:
-            return
-        self._judged = self._added
-        pairs = ViewPairs(list(self._views))
+        """Compare all views that were added, at once."""
+        self._work.finish()
+        if self._added > self._judged:
+            self._begin()
+            self._work.finish()
+
+    def _begin(self) -> None:
+        if len(self._views) >= FEWEST_VIEWS:
+            self._judged = self._added
+            self._work.start(self._judge(list(self._views)))
+
+    def _judge(self, views: Sequence[View]) -> Iterator[None]:
+        pairs = ViewPairs(views)
+        yield
         if len(pairs) < FEWEST_PAIRS:
             return
-        readings = _best_readings(pairs)
+        readings = yield from _best_readings(pairs)
         if readings:
             parts, advice = zip(*(self._described(reading) for reading in readings), strict=True)
             self.problem = (
@@ -134,17 +159,23 @@ def _factor(factor: float) -> str:
     return f"{factor if longer else 1.0 / factor:.3g} times {'longer' if longer else 'shorter'}"
 
 
-def _best_readings(pairs: ViewPairs) -> list[Reading]:
-    """The simplest reading under which the views meet as those of a right capture.
+def _best_readings(pairs: ViewPairs) -> Generator[None, None, list[Reading]]:
+    """Find the simplest reading under which the views meet as those of a right capture.
+
+    Yields:
+        Nothing, after each comparison of all pairs.
 
     Returns:
         One; two where a wrong centre and a wrong mounting explain the views as well; or none.
     """
     given = pairs.meet(Reading())
-    quick = [_searched(pairs, names, (Reading(),)) for names in READINGS[-2:]]
-    least = min(pairs.meet(reading).cost for reading in quick)
-    if least >= LOWER * given.cost and given.cost < POOR:
-        return []
+    if given.cost < POOR:
+        least = given.cost
+        for names in READINGS[-2:]:
+            reading = yield from _searched(pairs, names, (Reading(),), COARSE, COARSE_STEP)
+            least = min(least, pairs.meet(reading).cost)
+        if least >= MAY_BE_LOWER * given.cost:
+            return []
     found = []
     for names in READINGS:
         starts = [Reading()]
@@ -152,7 +183,7 @@ def _best_readings(pairs: ViewPairs) -> list[Reading]:
             starts = [Reading(focal=factor) for factor in FOCALS]
         elif "scale" in names:
             starts = [Reading(scale=factor) for factor in SCALES]
-        reading = _searched(pairs, names, starts)
+        reading = yield from _searched(pairs, names, starts)
         found.append((pairs.meet(reading).cost, reading))
     limit = AS_WELL[0] * min(cost for cost, _ in found) + AS_WELL[1]
     as_good = {
@@ -196,17 +227,27 @@ def _without_trifles(reading: Reading) -> Reading:
     return found
 
 
-def _searched(pairs: ViewPairs, names: Sequence[str], starts: Sequence[Reading]) -> Reading:
+def _searched(
+    pairs: ViewPairs,
+    names: Sequence[str],
+    starts: Sequence[Reading],
+    stride: int = 1,
+    finest: float = FINEST,
+) -> Generator[None, None, Reading]:
     """Descend along one parameter after the other, by steps that halve."""
-    costs = sorted(
-        ((pairs.meet(start).cost, number) for number, start in enumerate(starts)),
-    )
+    costs = []
+    for number, start in enumerate(starts):
+        costs.append((pairs.meet(start, stride).cost, number))
+        yield
     best, best_cost = Reading(), math.inf
-    for cost, number in costs[:STARTS]:
+    for cost, number in sorted(costs)[:STARTS]:
         reading, size = starts[number], 1.0
-        while size >= FINEST:
+        while size >= finest:
             nearer = [_stepped(reading, name, sign * size) for name in names for sign in (1, -1)]
-            tried = [(pairs.meet(one).cost, place) for place, one in enumerate(nearer)]
+            tried = []
+            for place, one in enumerate(nearer):
+                tried.append((pairs.meet(one, stride).cost, place))
+                yield
             least, place = min(tried)
             if least < cost - 1e-6:
                 cost, reading = least, nearer[place]

@@ -129,6 +129,8 @@ class PoseCheck:
             self._refer_to(jump[1], is_after_jump=True)
         if is_fused:
             self._judge_pair(sample)
+        self._registration.advance()
+        self._calibration.advance()
         return None if jump is None else jump[0]
 
     def drop_before_jump(self, is_all: bool) -> None:
@@ -182,13 +184,22 @@ class PoseCheck:
 
     @property
     def report(self) -> PoseReport:
-        """What is known by now; conventions are tried where pairs do not meet.
+        """What all frames by now say, which may take a while to find out.
 
-        That may take a while: for the thread that calls :meth:`add`.
+        For the thread that calls :meth:`add`.
         """
-        middle = self.agreement
         self._registration.judge()
         self._calibration.judge()
+        return self.latest_report
+
+    @property
+    def latest_report(self) -> PoseReport:
+        """What has been found out by now, while frames come.
+
+        Where pairs do not meet, the usual conventions are tried. For the thread that calls
+        :meth:`add`.
+        """
+        middle = self.agreement
         return PoseReport(
             len(self._shares),
             middle,

@@ -113,16 +113,19 @@ def grey_blocks(rgb: NDArray[np.uint8], size: int) -> NDArray[np.float32]:
     step = max(size // 2, 1)
     each = 3.0 * ((size + step - 1) // step) ** 2
     grey = np.empty((height, width), np.float32)
+    values = rgb.reshape(len(rgb), -1)
+    sums = np.empty(values.shape[1], np.int32)
     for row in range(height):
-        totals = np.zeros(width, np.int32)
-        for y in range(row * size, (row + 1) * size, step):
-            for column in range(width):
-                for x in range(column * size, (column + 1) * size, step):
-                    totals[column] += rgb[y, x, 0]
-                    totals[column] += rgb[y, x, 1]
-                    totals[column] += rgb[y, x, 2]
+        for place in range(len(sums)):
+            sums[place] = values[row * size, place]
+        for y in range(row * size + step, (row + 1) * size, step):
+            for place in range(len(sums)):
+                sums[place] += values[y, place]
         for column in range(width):
-            grey[row, column] = totals[column] / each
+            total = 0
+            for x in range(3 * column * size, 3 * (column + 1) * size, 3 * step):
+                total += sums[x] + sums[x + 1] + sums[x + 2]
+            grey[row, column] = total / each
     return grey
 
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.fusion.poses.agreement import DepthSample, depth_tolerance, motion
+from reflest_core.fusion.poses.agreement import DepthSample, depth_tolerance
 from reflest_core.jit import compiled
 
 COLUMNS = 160
@@ -108,46 +108,114 @@ class ViewPairs:
         Args:
             views: In their order.
         """
-        found = []
-        for index, later in enumerate(views):
-            for earlier in views[:index]:
-                relative = np.linalg.inv(earlier.pose) @ later.pose
-                turn, _ = motion(relative)
-                if turn < MOST_TURN:
-                    found.append((turn, earlier, later, np.ascontiguousarray(relative)))
-        found.sort(key=lambda pair: pair[0])
-        chosen = np.unique(np.linspace(0, len(found) - 1, min(MOST_PAIRS, len(found))).astype(int))
-        pairs = [found[index][1:] for index in chosen]
-        self._pairs = [pair for pair in pairs if _compared_pair(pair, Reading())[2] >= FEWEST]
+        self._views = _ViewTable.of(views)
+        later, earlier = np.tril_indices(len(views), -1)
+        poses = np.stack([view.pose for view in views])
+        relative = np.linalg.inv(poses)[earlier] @ poses[later]
+        cosine = (np.trace(relative[:, :3, :3], axis1=1, axis2=2) - 1.0) / 2.0
+        turns = np.arccos(np.clip(cosine, -1.0, 1.0))
+        near = np.flatnonzero(turns < MOST_TURN)
+        near = near[np.argsort(turns[near], kind="stable")]
+        count = min(MOST_PAIRS, len(near))
+        near = near[np.unique(np.linspace(0, len(near) - 1, count).astype(int))]
+        self._views_of_pairs = np.stack([later[near], earlier[near]], axis=1)
+        self._relative = np.ascontiguousarray(relative[near])
+        if len(near):
+            is_known = self._compared(Reading(), 1)[:, 2] >= FEWEST
+            self._views_of_pairs = self._views_of_pairs[is_known]
+            self._relative = self._relative[is_known]
 
     def __len__(self) -> int:
         """Return the number of pairs."""
-        return len(self._pairs)
+        return len(self._relative)
 
-    def meet(self, reading: Reading) -> Meeting:
+    def meet(self, reading: Reading, stride: int = 1) -> Meeting:
         """Compare all pairs.
 
         Args:
             reading: Intrinsics and scale to read them with.
+            stride: Compare every so many samples alone.
         """
-        found = np.array([_compared_pair(pair, reading) for pair in self._pairs])
+        found = self._compared(reading, stride)
         count = np.maximum(found[:, 2], 1.0)
         # What has moved out of sight must not look like what meets.
-        is_seen = found[:, 2] >= FEWEST
+        is_seen = found[:, 2] * stride >= FEWEST
         return Meeting(
             np.where(is_seen, found[:, 0] / count, 1.0), np.where(is_seen, found[:, 1] / count, 0.0)
         )
 
+    def _compared(self, reading: Reading, stride: int) -> NDArray[np.float64]:
+        """(P, 3) summed cost, samples that are near, and samples in sight of both views."""
+        place = np.array([reading.x, reading.y, reading.z])
+        moved = self._relative.copy()
+        moved[:, :3, 3] = moved[:, :3, :3] @ place + reading.scale * moved[:, :3, 3] - place
+        values = reading.focal, reading.right, reading.down
+        views = self._views
+        arrays = views.rays, views.first, views.depth, views.sizes, views.pinholes
+        return _compared_pairs(self._views_of_pairs, moved, *arrays, *values, stride)
 
-def _compared_pair(
-    pair: tuple[View, View, NDArray[np.float64]], reading: Reading
-) -> tuple[float, int, int]:
-    earlier, later, relative = pair
-    values = reading.focal, reading.right, reading.down
-    moved = relative.copy()
-    place = np.array([reading.x, reading.y, reading.z])
-    moved[:3, 3] = relative[:3, :3] @ place + reading.scale * relative[:3, 3] - place
-    return _compared(later.rays, moved, earlier.depth, earlier.pinhole, *values)
+
+@dataclass(frozen=True)
+class _ViewTable:
+    """Views in arrays, as the kernel reads them.
+
+    Attributes:
+        rays: (R, 3) all views' rays.
+        first: (V + 1,) the row of each view's first one, and their number.
+        depth: (V, h, w) the depth maps, 0 beyond the size of a smaller one.
+        sizes: (V, 2) rows and columns of each.
+        pinholes: (V, 4).
+    """
+
+    rays: NDArray[np.float64]
+    first: NDArray[np.int64]
+    depth: NDArray[np.float32]
+    sizes: NDArray[np.int64]
+    pinholes: NDArray[np.float64]
+
+    @staticmethod
+    def of(views: Sequence[View]) -> _ViewTable:
+        sizes = np.array([view.depth.shape for view in views], np.int64)
+        depth = np.zeros((len(views), *sizes.max(axis=0)), np.float32)
+        for there, view in zip(depth, views, strict=True):
+            there[: view.depth.shape[0], : view.depth.shape[1]] = view.depth
+        return _ViewTable(
+            np.concatenate([view.rays for view in views]),
+            np.cumsum([0, *(len(view.rays) for view in views)]),
+            depth,
+            sizes,
+            np.stack([view.pinhole for view in views]),
+        )
+
+
+@compiled
+def _compared_pairs(
+    pairs: NDArray[np.int64],
+    transforms: NDArray[np.float64],
+    rays: NDArray[np.float64],
+    first: NDArray[np.int64],
+    depth: NDArray[np.float32],
+    sizes: NDArray[np.int64],
+    pinholes: NDArray[np.float64],
+    focal: float,
+    right: float,
+    down: float,
+    stride: int,
+) -> NDArray[np.float64]:
+    found = np.empty((len(pairs), 3))
+    for index in range(len(pairs)):
+        later, earlier = pairs[index]
+        found[index, 0], found[index, 1], found[index, 2] = _compared(
+            rays[first[later] : first[later + 1]],
+            transforms[index],
+            depth[earlier, : sizes[earlier, 0], : sizes[earlier, 1]],
+            pinholes[earlier],
+            focal,
+            right,
+            down,
+            stride,
+        )
+    return found
 
 
 @compiled
@@ -159,31 +227,34 @@ def _compared(
     focal: float,
     right: float,
     down: float,
+    stride: int,
 ) -> tuple[float, int, int]:
     """Return the summed cost, how many samples are near, and how many are in sight of both."""
-    fx, fy, cx, cy = pinhole
+    fx, fy, cx, cy = pinhole[0] * focal, pinhole[1] * focal, pinhole[2], pinhole[3]
+    cx += pinhole[0] * right
+    cy += pinhole[1] * down
     height, width = depth.shape
     cost, near, count = 0.0, 0, 0
-    for index in range(len(rays)):
+    for index in range(0, len(rays), stride):
         z = rays[index, 2]
-        x = (rays[index, 0] - right) / focal * z
-        y = (rays[index, 1] - down) / focal * z
+        x = (rays[index, 0] - right) * (z / focal)
+        y = (rays[index, 1] - down) * (z / focal)
         away = transform[2, 0] * x + transform[2, 1] * y + transform[2, 2] * z
         away += transform[2, 3]
         if not away > 0.0:
             continue
         across = transform[0, 0] * x + transform[0, 1] * y + transform[0, 2] * z
         along = transform[1, 0] * x + transform[1, 1] * y + transform[1, 2] * z
-        column = fx * (focal * (across + transform[0, 3]) / away + right) + cx
-        row = fy * (focal * (along + transform[1, 3]) / away + down) + cy
+        column = fx * ((across + transform[0, 3]) / away) + cx
+        row = fy * ((along + transform[1, 3]) / away) + cy
         if not (0.0 <= column < width - 1 and 0.0 <= row < height - 1):
             continue
         there = _depth_at(depth, row, column)
         if not there > 0.0:
             continue
-        distance = (away - there) / (UNIT * depth_tolerance(there))
-        cost += distance * distance / (1.0 + distance * distance)
-        near += 1 if abs(distance) < 1.0 else 0
+        distance, unit = away - there, UNIT * depth_tolerance(there)
+        cost += distance * distance / (distance * distance + unit * unit)
+        near += 1 if abs(distance) < unit else 0
         count += 1
     return cost, near, count
 

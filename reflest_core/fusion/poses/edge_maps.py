@@ -96,12 +96,13 @@ def _edges(
     colour = np.zeros((height, width), np.float32)
     steps = np.zeros((height, width), np.float32)
     for row in range(1, height - 1):
-        y = row * size + size // 2
         for column in range(1, width - 1):
             right = grey[row, column + 1] - grey[row, column - 1]
             down = grey[row + 1, column] - grey[row - 1, column]
             slope = np.sqrt(right * right + down * down)
             colour[row, column] = slope / (slope + STRONG)
+        y = row * size + size // 2
+        for column in range(1, width - 1):
             x = column * size + size // 2
             is_step = _is_step(depth[y, x - size], depth[y, x + size])
             if is_step or _is_step(depth[y - size, x], depth[y + size, x]):

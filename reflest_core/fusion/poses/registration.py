@@ -11,14 +11,16 @@ frame.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import fft
 
 from reflest_core.capture.frame import Frame
 from reflest_core.fusion.poses.edge_maps import EdgeMaps, unit
+from reflest_core.fusion.poses.stepwise import StepwiseWork
 
 Image = NDArray[np.float32]
 
@@ -26,7 +28,7 @@ BURST, EVERY = 48, 480
 """So many frames in a row are compared, once in so many frames."""
 FEWEST = 10
 """Frames from which on a burst is judged."""
-RETRY = 1.5
+RETRY = 2.2
 """A burst is judged again when it has so many times more frames."""
 LEAST_FIT = 0.08
 """Mean correlation of edges that is no accident. Right captures give 0.1 to 0.6; other frames'
@@ -43,6 +45,10 @@ AS_WELL = 0.8
 """Faults of other kinds that fit to this share of the best one are named, too."""
 FURTHEST = 8
 """Frames by which colours may lag."""
+STEPS_OF_FRAME = 2
+"""Steps of a judgement that are done at each frame, of 1 ms each."""
+ROWS = 8
+"""Frames that are compared with all others in one step."""
 NEAR = 3
 """Frames apart by less than this, which may show the same, do not show that the order is wrong."""
 SEARCHED = 12
@@ -110,8 +116,9 @@ class RegistrationCheck:
         self.problem = self.warning = ""
         self.is_turned = False
         self.fit = math.nan
-        self._maps: list[EdgeMaps] = []
+        self._burst = _Burst()
         self._number = self._judged = 0
+        self._work = StepwiseWork()
 
     def add(self, frame: Frame) -> None:
         """Take the next frame.
@@ -123,34 +130,51 @@ class RegistrationCheck:
         if number == 0:
             self.restart()
         if number < BURST and (maps := EdgeMaps.of(frame)) is not None:
-            if self._maps and maps.colour.shape != self._maps[0].colour.shape:
+            if not self._burst.takes(maps):
                 self.restart()
-            self._maps.append(maps)
+            self._burst.add(maps)
 
     def restart(self) -> None:
         """Compare the next frame with none before it."""
-        self._maps, self._judged = [], 0
+        self._burst, self._judged = _Burst(), 0
+
+    def advance(self) -> None:
+        """Do a frame's share of a judgement, if enough more frames were added since the last."""
+        count = self._burst.count
+        is_due = count >= max(FEWEST, RETRY * self._judged) or count == BURST
+        if not self._work.is_running and is_due and count > self._judged:
+            self._begin()
+        self._work.advance(STEPS_OF_FRAME)
 
     def judge(self) -> None:
-        """Compare what has been added since the last call, if it is enough."""
-        if len(self._maps) < max(FEWEST, RETRY * self._judged) and (
-            len(self._maps) < BURST or self._judged == BURST
-        ):
-            return
-        self._judged = len(self._maps)
-        known = np.array([maps.is_known for maps in self._maps])
-        if np.count_nonzero(known) < FEWEST:
-            return
-        colour = np.stack([maps.colour for maps in self._maps])
-        depth = np.stack([maps.depth for maps in self._maps])
-        table = depth.reshape(len(depth), -1) @ colour.reshape(len(colour), -1).T
+        """Compare all frames that were added, at once."""
+        self._work.finish()
+        if self._burst.count >= FEWEST and self._burst.count > self._judged:
+            self._begin()
+            self._work.finish()
+
+    def _begin(self) -> None:
+        self._judged = self._burst.count
+        known = self._burst.is_known[: self._judged]
+        if np.count_nonzero(known) >= FEWEST:
+            self._work.start(self._judge(self._burst, self._judged))
+
+    def _judge(self, burst: _Burst, count: int) -> Iterator[None]:
+        """Compare the first ``count`` frames of a burst, in steps of 1 ms."""
+        known = burst.is_known[:count].copy()
+        colour, depth = burst.colour[:count], burst.depth[:count]
+        table = np.empty((count, count), np.float32)
+        for first in range(0, count, ROWS):  # a matrix product would wake BLAS' threads
+            rows = slice(first, first + ROWS)
+            table[rows] = np.einsum("ikl,jkl->ij", depth[rows], colour)
+            yield
         given = table.diagonal()[known]
         self.fit = float(given.mean())
-        faults = [
-            *_of_order(table, known),
-            *_turned(colour[known], depth[known], given),
-            *_moved(colour[known], depth[known], given, self._maps[0].size),
-        ]
+        faults = list(_of_order(table, known))
+        yield
+        number = np.flatnonzero(known)
+        faults += yield from _turned(colour, depth, number, given)
+        faults += yield from _moved(colour, depth, number, given, burst.size)
         best = _best(faults)
         if not best:
             return
@@ -163,6 +187,36 @@ class RegistrationCheck:
         else:
             self.problem = sentence
             self.is_turned = best[0].kind == "turn"
+
+
+class _Burst:
+    """Edges of consecutive frames of one size.
+
+    Attributes:
+        colour: (BURST, h, w), the first :attr:`count` are filled in; (0, 0, 0) without frames.
+        depth: The same.
+        is_known: (BURST,) frames that have edges of both.
+        count: Frames by now.
+        size: Pixels of a frame in one of the reduced images, along each axis.
+    """
+
+    def __init__(self) -> None:
+        self.colour = self.depth = np.empty((0, 0, 0), np.float32)
+        self.is_known = np.zeros(BURST, np.bool_)
+        self.count = self.size = 0
+
+    def takes(self, maps: EdgeMaps) -> bool:
+        """Whether a frame's maps are of the size of those before."""
+        return not self.count or maps.colour.shape == self.colour.shape[1:]
+
+    def add(self, maps: EdgeMaps) -> None:
+        """Take the next frame's maps."""
+        if not self.count:
+            self.colour, self.depth = np.empty((2, BURST, *maps.colour.shape), np.float32)
+            self.size = maps.size
+        self.colour[self.count], self.depth[self.count] = maps.colour, maps.depth
+        self.is_known[self.count] = maps.is_known
+        self.count += 1
 
 
 def _best(faults: Sequence[_Fault]) -> list[_Fault]:
@@ -184,18 +238,20 @@ def _of_order(table: NDArray[np.floating], known: NDArray[np.bool_]) -> Iterator
     """
     count = len(table)
     number = np.arange(count)
-    for lag in (*range(-FURTHEST, 0), *range(1, FURTHEST + 1)):
-        of = number + lag
-        chosen = known & (of >= 0) & (of < count)
-        frames = f"{abs(lag)} frame{'s' if abs(lag) > 1 else ''}"
-        are = "lag behind" if lag > 0 else "be ahead of"
+    lag, total = number - number[:, None], number + number[:, None]
+    pairs = np.broadcast_to(known[:, None], table.shape)
+    for found in _that_fit(table, lag, pairs & (abs(lag) <= FURTHEST) & (lag != 0), -count):
+        frames = f"{abs(found)} frame{'s' if abs(found) > 1 else ''}"
+        are = "lag behind" if found > 0 else "be ahead of"
         sentence = (
             f"colours seem to {are} depth by {frames}: check the stamps of both images, "
             "capture.slop and the driver's queues"
         )
+        of = number + found
+        chosen = known & (of >= 0) & (of < count)
         yield _Fault("order", sentence, table[number[chosen], of[chosen]], table[chosen, chosen])
-    for total in range(FEWEST, 2 * count - 1):
-        of = total - number
+    for found in _that_fit(table, total, pairs & (abs(lag) >= NEAR), 0):
+        of = found - number
         chosen = known & (of >= 0) & (of < count) & (abs(of - number) >= NEAR)
         sentence = (
             "colours seem to come in reverse order: check how colour and depth images were "
@@ -204,40 +260,77 @@ def _of_order(table: NDArray[np.floating], known: NDArray[np.bool_]) -> Iterator
         yield _Fault("order", sentence, table[number[chosen], of[chosen]], table[chosen, chosen])
 
 
-def _turned(colour: Image, depth: Image, given: NDArray[np.floating]) -> Iterator[_Fault]:
+def _that_fit(
+    table: NDArray[np.floating], group: NDArray[np.integer], is_in: NDArray[np.bool_], least: int
+) -> list[int]:
+    """Groups of a table's elements whose mean is no accident.
+
+    Args:
+        table: (N, N).
+        group: (N, N) number of each element's group.
+        is_in: (N, N) elements that count.
+        least: The least number of a group, at most.
+    """
+    index = group[is_in] - least
+    count = np.bincount(index)
+    mean = np.bincount(index, table[is_in]) / np.maximum(count, 1)
+    return (np.flatnonzero((count >= FEWEST) & (mean >= 0.99 * LEAST_FIT)) + least).tolist()
+
+
+def _turned(
+    colour: Image, depth: Image, number: NDArray[np.integer], given: NDArray[np.floating]
+) -> Generator[None, None, list[_Fault]]:
+    found = []
     for name, turn in TURNS.items():
-        fits = np.array([np.vdot(b, turn(a)) for a, b in zip(colour, depth, strict=True)])
+        fits = np.array([np.vdot(depth[k], turn(colour[k])) for k in number])
         sentence = (
             f"colour images seem to be {name} against depth: turn one of them where it is taken"
         )
-        yield _Fault("turn", sentence, fits, given)
+        found.append(_Fault("turn", sentence, fits, given))
+        yield
+    return found
 
 
-def _moved(colour: Image, depth: Image, given: NDArray[np.floating], size: int) -> Iterator[_Fault]:
+def _moved(
+    colour: Image,
+    depth: Image,
+    number: NDArray[np.integer],
+    given: NDArray[np.floating],
+    size: int,
+) -> Generator[None, None, list[_Fault]]:
     """Shifts, and zooms where the best shift is not about 0."""
-    chosen = np.unique(np.linspace(0, len(given) - 1, SEARCHED).astype(int))
-    colour, depth, given = colour[chosen], depth[chosen], given[chosen]
-    spectra = np.conj(np.fft.rfft2(depth))
-    fits, shift, is_alone = _shifted(colour, spectra)
+    chosen = np.unique(np.linspace(0, len(number) - 1, SEARCHED).astype(int))
+    colour, depth, given = colour[number[chosen]], depth[number[chosen]], given[chosen]
+    spectra = np.conj(fft.rfft2(depth))
+    yield
+    fits, shift, is_alone = _shifted(colour, depth, spectra)
+    yield
     if max(map(abs, shift)) < LEAST_SHIFT and is_alone:
-        return
+        return []
     across, down = shift[0] * size, shift[1] * size
     sentence = (
         f"colours seem to be shifted against depth by about {across:+d} pixels across and "
         f"{down:+d} down: check that depth is registered to colour, and the calibrations of both"
     )
+    found = []
     if max(map(abs, shift)) >= LEAST_SHIFT and is_alone:
-        yield _Fault("place", sentence, fits, given, LEAST_SEARCHED_FIT)
-    middle = [(_fit_zoomed(colour, depth, zoom), zoom) for zoom in FINE_ZOOMS]
+        found.append(_Fault("place", sentence, fits, given, LEAST_SEARCHED_FIT))
+    middle = []
+    for zoom in FINE_ZOOMS:
+        middle.append((_fit_zoomed(colour, depth, zoom), zoom))
+        yield
     for zoom in (*ZOOMS, max(middle)[1]):
         zoomed = np.stack([unit(_zoomed(image, zoom)) for image in colour])
-        fits, _, is_alone = _shifted(zoomed, spectra)
+        yield
+        fits, _, is_alone = _shifted(zoomed, depth, spectra)
+        yield
         sentence = (
             f"colours seem to be {zoom[0]:.2f} times as wide and {zoom[1]:.2f} times as high as "
             "depth: check that depth is registered to colour, and of which resolutions the two are"
         )
         if is_alone:
-            yield _Fault("place", sentence, fits, given, LEAST_SEARCHED_FIT)
+            found.append(_Fault("place", sentence, fits, given, LEAST_SEARCHED_FIT))
+    return found
 
 
 def _fit_zoomed(colour: Image, depth: Image, zoom: tuple[float, float]) -> float:
@@ -247,12 +340,13 @@ def _fit_zoomed(colour: Image, depth: Image, zoom: tuple[float, float]) -> float
 
 
 def _shifted(
-    colour: Image, spectra: NDArray[np.complexfloating]
+    colour: Image, depth: Image, spectra: NDArray[np.complexfloating]
 ) -> tuple[NDArray[np.floating], tuple[int, int], bool]:
     """Find the shift of colours against depth that fits best.
 
     Args:
         colour: (N, h, w) edges of the colours.
+        depth: (N, h, w) edges of depth.
         spectra: (N, h, w // 2 + 1) conjugate spectra of the edges of depth.
 
     Returns:
@@ -261,14 +355,16 @@ def _shifted(
     """
     height, width = colour.shape[1:]
     near = np.arange(-REACH, REACH + 1)
-    tables = np.fft.irfft2(np.fft.rfft2(colour) * spectra, s=(height, width))
-    tables = tables[:, near[:, None] % height, near[None] % width]
-    mean = tables.mean(axis=0)
+    products = fft.rfft2(colour) * spectra
+    mean = fft.irfft2(products.mean(axis=0), s=(height, width))
+    mean = mean[near[:, None] % height, near[None] % width]
     row, column = np.unravel_index(int(mean.argmax()), mean.shape)
     others = mean.copy()
     others[max(row - 4, 0) : row + 5, max(column - 4, 0) : column + 5] = -1.0
     is_alone = bool(others.max() <= ALONE * mean[row, column])
-    return tables[:, row, column], (int(near[column]), int(near[row])), is_alone
+    right, down = int(near[column]), int(near[row])
+    back = np.roll(colour, (-down, -right), axis=(1, 2))
+    return np.einsum("nij,nij->n", back, depth), (right, down), is_alone
 
 
 def _zoomed(image: Image, zoom: tuple[float, float]) -> Image:
