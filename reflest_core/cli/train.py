@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from reflest_core.cli.output_files import check_overwriting
 from reflest_core.cli.recipe_options import add_recipe_options, changed_recipe
+from reflest_core.models.definition import OURS, PAPER, SCENES
 from reflest_core.models.registry import network_named, networks
 from reflest_core.parameter import ParameterError
 from reflest_core.training.method import (
@@ -63,7 +64,11 @@ def add_parser(subparsers: Any) -> None:
         "--model", metavar="NETWORK", help=f"a network, one of {', '.join(networks())}"
     )
     parser.add_argument(
-        "--recipe", choices=("ours", "paper"), default="ours", help="what is not given otherwise"
+        "--recipe",
+        choices=(OURS, PAPER, SCENES),
+        default=OURS,
+        help="what is not given otherwise; scenes: lightnet for materials among others, from "
+        "folders of bags of 'reflest synbrdf tabletop'",
     )
     parser.add_argument(
         "--from",
@@ -146,7 +151,10 @@ def _wanted(arguments: argparse.Namespace) -> list[_Wanted]:
         return [_Wanted(variant.name, variant.recipe(origin), arguments.out)]
     network = network_named(arguments.model)
     if origin not in network.recipes:
-        raise ParameterError(f"the paper has no recipe for {network.name}: leave --recipe out")
+        raise ParameterError(
+            f"{network.name} has no recipe {origin!r}: give --recipe "
+            f"{' or '.join(network.recipes)}, or leave it out"
+        )
     return [_Wanted(network.name, network.recipes[origin], arguments.out)]
 
 

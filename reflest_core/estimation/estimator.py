@@ -32,6 +32,7 @@ from reflest_core.inference.mixed_materials import albedos_of_material
 from reflest_core.inference.transport.surface_irradiance import SurfaceSight
 from reflest_core.models.linear_algebra import one_blas_thread
 from reflest_core.models.predictor import Predictor
+from reflest_core.models.registry import network_of_model
 from reflest_core.segmentation.segmenter import Segmenter, in_key_order
 from reflest_core.surface.extent import voxel_extent
 from reflest_core.surface.observed_surface import ObservedSurface, digest
@@ -50,6 +51,12 @@ class Estimator:
     """Estimates the BRDF of observed surfaces.
 
     The same surface gives the same bits, unless ``estimation.budget`` limits the time.
+
+    Attributes:
+        settings: the parameters.
+        predictor: the network for a scan of one material.
+        scene_predictor: the network for materials among others; the same one where the model or
+            the user has one weight file for both.
     """
 
     def __init__(self, settings: EstimationSettings) -> None:
@@ -60,8 +67,14 @@ class Estimator:
         """
         self.settings = settings
         weights = Path(settings.weights) if settings.weights else None
-        self.predictor = Predictor(settings.model, weights, settings.device, settings.threads)
+        options = settings.device, settings.threads
+        self.predictor = Predictor(settings.model, weights, *options)
+        self.scene_predictor = self.predictor
+        of_scenes = network_of_model(settings.model).model_named(settings.model).scene_weights
+        if weights is None and of_scenes is not None:
+            self.scene_predictor = Predictor(settings.model, of_scenes, *options)
         self._publisher = Publisher(self.predictor, settings)
+        self._scene_publisher = Publisher(self.scene_predictor, settings)
         self._budget = EvidenceBudget(settings.budget)
 
     def estimate(
@@ -272,7 +285,10 @@ class Estimator:
         ids = partition.ids_of(turned.voxel_keys)
         rho_d = np.full((surface.voxel_count, 3), np.nan, np.float32)
         stddev = rho_d.copy()
-        scene = None
+        scene, publisher = None, self._publisher
+        if light is not None and light.joint is not None:
+            publisher = self._scene_publisher
+        predictor = publisher.predictor
         if light is not None:
             options = self.settings.gloss_voxels, self.settings.gloss_information
             scene = SceneEstimates(turned, light, *options, sight)
@@ -284,23 +300,23 @@ class Estimator:
                 continue
             voxels, error = np.flatnonzero(ids == material_id), math.nan
             if light is None or scene is None:
-                prediction = self.predictor.predict(part)
-                estimate = self._publisher.estimate(part, prediction, None, header)
+                prediction = predictor.predict(part)
+                estimate = publisher.estimate(part, prediction, None, header)
                 rho_d[voxels], stddev[voxels] = estimate.rho_d, estimate.rho_d_stddev
             else:
                 if material_id in answers:
                     prediction, gloss = answers[material_id]
-                    chosen = self.predictor.chosen(part)
+                    chosen = predictor.chosen(part)
                     prediction = replace(prediction, voxels=chosen)
                 else:
                     gloss = scene.posterior(voxels)
                     explained = explain_material(light, material_id)
                     explained = replace(explained, posterior=gloss)
-                    prediction = self.predictor.predict(part, explained)
+                    prediction = predictor.predict(part, explained)
                     answers[material_id] = prediction, gloss
                 found = scene.of_material(material_id, voxels, prediction, gloss)
                 mixture = _mixture(light, material_id) if light.joint is None else ""
-                estimate = self._publisher.estimate(part, prediction, found, header, mixture)
+                estimate = publisher.estimate(part, prediction, found, header, mixture)
                 rho_d[voxels], stddev[voxels] = found.rho_d, found.rho_d_stddev
                 error = found.photometric_error
             place = surface.positions[voxels], surface.origin

@@ -15,9 +15,7 @@ from reflest_core.estimation.physical_ward import physical_ward
 from reflest_core.inference.gloss.network_update import with_posterior
 from reflest_core.inference.gloss.posterior import GlossPosterior, gloss_posterior
 from reflest_core.inference.gloss.rated_surface import RatedSurface
-from reflest_core.inference.gloss.view_changes import view_changes
 from reflest_core.inference.light import SceneLight
-from reflest_core.inference.material_gloss import material_gloss
 from reflest_core.inference.photometric_error import photometric_error
 from reflest_core.inference.transport.scene_occluders import SceneOccluders
 from reflest_core.inference.transport.surface_irradiance import SurfaceSight, surface_irradiance
@@ -32,8 +30,12 @@ TRIMMED = 0.1
 GLOSS_AS_ALBEDO = 0.25
 """Share of the error of ``rho_s`` that ``rho_d`` takes over: what shines alike in all views looks
 matte. With it 88 to 94 % of the materials on 13 synthetic tables lie within 90 % intervals."""
-LEAST_MEAN = 1e-3
-"""Mean albedo below which voxels are not scaled further."""
+LEAST_ALBEDO = 1e-3
+"""Darker mean albedos count as this one."""
+MOST_MOVED = 0.15
+"""Logarithm of what a network may multiply albedos by that follow from the light. On 1,308
+materials under left-out lights the median error falls from 0.265 to 0.249; without the bound, half
+way to the network's answer, to 0.248."""
 
 
 @dataclass(frozen=True)
@@ -114,9 +116,9 @@ class SceneEstimates:
         """Estimate a material and its voxels.
 
         Of a scene's only material the network gives the albedos, and voxels are scaled to them.
-        Among several the light is known so well that ``rho_d`` follows from it; gloss is what the
-        network, the joint light and the changes with the view say together. To the roughness the
-        posterior adds what it knows.
+        Among several the light is known so well that albedos follow from it; the network moves
+        them by :data:`MOST_MOVED` at most, so that they still go with the light. To the roughness
+        the posterior adds what it knows, unless the network has used it already.
 
         Args:
             material_id: the material.
@@ -124,27 +126,21 @@ class SceneEstimates:
             prediction: the network's.
             gloss: see :meth:`posterior`.
         """
-        light, joint = self._light, self._light.joint
+        light = self._light
         ward, stddev = physical_ward(prediction.ward), prediction.stddev
-        if joint is not None:
-            ward, stddev = self._with_cues(ward, stddev, voxels)
         if stddev is not None and not prediction.has_posterior:
             ward, stddev = with_posterior(ward, stddev, gloss)
-        _, inferred, _ = light.inferred[material_id]
-        of_gloss = 0.0
-        if joint is None:
-            found = self._scaled(self._albedo(voxels, ward), ward[RHO_D])
+        of_light, of_gloss = light.inferred[material_id][1].deviation, 0.0
+        if light.joint is None:
+            found = self._albedo(voxels, ward)
         else:
-            # The published strength is an expected value, too high for weak gloss, and that of the
-            # joint light too low: albedo is what the mean of both does not explain.
-            as_lit = ward.copy()
-            as_lit[RHO_S] = 0.5 * (ward[RHO_S] + min(joint.gloss_of(voxels)[0], ward[RHO_S]))
-            found = self._albedo(voxels, as_lit)
-            ward = physical_ward(np.concatenate([_trimmed_mean(found.rho_d), ward[RHO_S:]]))
+            found = self._albedo(voxels, self._as_lit(ward, voxels))
+            ward = physical_ward(np.concatenate([_joined(found, ward), ward[RHO_S:]]))
             if stddev is not None:
                 of_gloss = GLOSS_AS_ALBEDO * stddev[RHO_S]
-                of_albedo = np.hypot(ward[RHO_D] * inferred.deviation, of_gloss)
+                of_albedo = np.hypot(ward[RHO_D] * of_light, of_gloss)
                 stddev = np.concatenate([of_albedo, stddev[RHO_S:]])
+        found = _scaled(found, ward[RHO_D])
         error = photometric_error(
             self._surface,
             voxels,
@@ -154,37 +150,25 @@ class SceneEstimates:
             self._irradiance,
             _gloss(ward),
         )
-        of_light = found.rho_d * inferred.deviation
-        deviation = np.sqrt(found.deviation**2 + of_light**2 + np.float32(of_gloss**2))
-        return SceneEstimate(ward, stddev, gloss, found.rho_d, deviation, error)
+        squared = found.deviation**2 + (found.rho_d * of_light) ** 2 + np.float32(of_gloss**2)
+        return SceneEstimate(ward, stddev, gloss, found.rho_d, np.sqrt(squared), error)
 
-    def _with_cues(
-        self,
-        ward: NDArray[np.float64],
-        stddev: NDArray[np.float64] | None,
-        voxels: NDArray[np.int64],
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
-        """Replace the network's gloss by what all cues of it say together."""
-        joint, changes = self._light.joint, view_changes(self._surface, voxels)
-        if joint is None or changes is None:
-            return ward, stddev
-        irradiance = float(self._irradiance[voxels].mean())
-        gloss = material_gloss(changes, ward, joint.gloss_of(voxels)[0], irradiance)
-        ward = np.array([*ward[RHO_D], gloss.rho_s, gloss.alpha])
-        if stddev is not None:
-            stddev = np.array([*stddev[RHO_D], gloss.rho_s_stddev, gloss.alpha_stddev])
-        return ward, stddev
+    def _as_lit(self, ward: NDArray[np.float64], voxels: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Ward parameters with the strength that albedos in the joint light go with.
+
+        The network's ``rho_s`` is an expected value, too high for weak gloss, and that of the joint
+        light is too low: albedo is what the mean of both does not explain.
+        """
+        assert self._light.joint is not None
+        as_lit = ward.copy()
+        as_lit[RHO_S] = 0.5 * (
+            ward[RHO_S] + min(self._light.joint.gloss_of(voxels)[0], ward[RHO_S])
+        )
+        return as_lit
 
     def _albedo(self, voxels: NDArray[np.int64], ward: NDArray[np.float64]) -> VoxelAlbedo:
         scene = self._surface, voxels, self._light.completed, self._sight, self._irradiance
         return voxel_albedo(*scene, _gloss(ward))
-
-    @staticmethod
-    def _scaled(found: VoxelAlbedo, mean: NDArray[np.float64]) -> VoxelAlbedo:
-        """The voxels' albedos with this mean (3,)."""
-        scale = mean / np.maximum(_trimmed_mean(found.rho_d), LEAST_MEAN)
-        rho_d = np.clip(found.rho_d * scale, 0.0, 1.0).astype(np.float32)
-        return VoxelAlbedo(rho_d, (found.deviation * scale).astype(np.float32))
 
 
 def _sight(surface: ObservedSurface, light: SceneLight) -> SurfaceSight:
@@ -203,3 +187,17 @@ def _trimmed_mean(values: NDArray[np.float32]) -> NDArray[np.float64]:
     left_out = int(TRIMMED * len(values))
     ranked = np.sort(values, axis=0)[left_out : len(values) - left_out]
     return np.asarray(ranked.mean(axis=0, dtype=np.float64))
+
+
+def _scaled(found: VoxelAlbedo, mean: NDArray[np.float64]) -> VoxelAlbedo:
+    """The voxels' albedos with this mean (3,)."""
+    scale = mean / np.maximum(_trimmed_mean(found.rho_d), LEAST_ALBEDO)
+    rho_d = np.clip(found.rho_d * scale, 0.0, 1.0).astype(np.float32)
+    return VoxelAlbedo(rho_d, (found.deviation * scale).astype(np.float32))
+
+
+def _joined(found: VoxelAlbedo, ward: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Mean albedo (3,) between that of the voxels in their light and the network's."""
+    lit, own = (np.maximum(one, LEAST_ALBEDO) for one in (_trimmed_mean(found.rho_d), ward[RHO_D]))
+    moved = np.clip(0.5 * np.log(own / lit), -MOST_MOVED, MOST_MOVED)
+    return np.asarray(lit * np.exp(moved))

@@ -51,6 +51,10 @@ SURFACE_TRAINING = "reflest_core.training.surface.method:SurfaceTraining"
 LIGHT_TRAINING = "reflest_core.training.light.method:LightTraining"
 """Training methods; see :attr:`NetworkDefinition.training`."""
 
+OURS, PAPER, SCENES = "ours", "paper", "scenes"
+"""Origins of recipes: this project's, the paper's, this project's for materials of whole scenes;
+see :attr:`NetworkDefinition.recipes`."""
+
 Features = tuple[NDArray[Any], ...]
 """The arguments of a network for one surface, without the batch's axis."""
 
@@ -63,11 +67,14 @@ class Model:
         name: Value of the parameter ``estimation.model``.
         voxels: N, voxels of the surface that an estimate rests on.
         weights: The weight file that is shipped; None where a user must give one.
+        scene_weights: The shipped one for materials among others, whose light is known from all of
+            them; None takes ``weights``.
     """
 
     name: str
     voxels: int
     weights: Path | None = None
+    scene_weights: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -113,7 +120,8 @@ class NetworkDefinition(ABC):
         name: Of the network, as weight files and the command line name it.
         models: The ways to estimate with it.
         recipes: How it is trained, by the recipe's origin: ``ours`` at least; ``paper`` where the
-            paper has one.
+            paper has one; ``scenes`` where it is trained on scanned scenes for its model's
+            ``scene_weights``.
         sees_light: Whether its features use the light around the surface. If so, an estimate says
             how much of that light was seen.
         eight_bit: Whether its weight file keeps matrices as 8-bit integers.

@@ -145,10 +145,8 @@ class Predictor:
         self, surface: ObservedSurface, voxels: NDArray[np.int64], found: Explanation | None
     ) -> Scores:
         """The mean scores of as many disjoint choices as there are voxels for."""
-        choices = max(len(voxels) // self.voxels, 1)
-        dealt = [voxels[first::choices] for first in range(choices)]
-        scores = self.network.scores(surface, dealt, found)
-        if choices == 1:
+        scores = self.network.scores(surface, dealt(voxels, self.voxels), found)
+        if len(scores) == 1:
             return scores[0]
         means = np.mean([one.means for one in scores], axis=0)
         known = [one.log_variances for one in scores if one.log_variances is not None]
@@ -168,3 +166,17 @@ class Predictor:
         stddev = self.card.calibration.calibrated(np.exp(0.5 * log_variances)) * usual
         is_blind = light is not None and light.seen == 0.0
         return np.maximum(stddev, usual) if is_blind else stddev
+
+
+def dealt(voxels: NDArray[np.int64], size: int) -> list[NDArray[np.int64]]:
+    """Deal chosen voxels out into as many disjoint choices as there are enough for.
+
+    Args:
+        voxels: (N,) indices of chosen voxels, rising.
+        size: Fewest voxels of each choice where there are several.
+
+    Returns:
+        Choices that are spread alike, at least one.
+    """
+    choices = max(len(voxels) // size, 1)
+    return [voxels[first::choices] for first in range(choices)]

@@ -36,8 +36,9 @@ def add_parser(products: Any) -> None:
     )
     parser.add_argument(
         "--light",
-        choices=("distant", "near"),
-        help="an environment map, or lamps and windows of a room; default: drawn",
+        choices=("distant", "diverse", "near"),
+        help="an environment map, a new one mixed of those given (for training), or lamps and "
+        "windows of a room; default: one of the first and the last, drawn",
     )
     parser.add_argument(
         "--table-material",

@@ -34,7 +34,14 @@ class LightNetDefinition(NetworkDefinition):
     """The network that uses the light seen behind the object, and states its deviations."""
 
     name = "lightnet"
-    models = (Model("lightnet", VOXELS, SHIPPED / "lightnet.safetensors"),)
+    models = (
+        Model(
+            "lightnet",
+            VOXELS,
+            SHIPPED / "lightnet.safetensors",
+            SHIPPED / "lightnet-scenes.safetensors",
+        ),
+    )
     sees_light = True
     training = LIGHT_TRAINING
     recipes: ClassVar[Mapping[str, Recipe]] = {
@@ -52,6 +59,22 @@ class LightNetDefinition(NetworkDefinition):
             hold=0.0,
             average=0.998,
             observations=6,
+            largest_gradient=1.0,
+        ),
+        "scenes": Recipe(
+            network="lightnet",
+            loss="likelihood",
+            optimiser="adamw",
+            learning_rate=1e-3,
+            momentum=0.0,
+            minibatches=600,
+            batch_size=48,
+            voxels=32,
+            validation_voxels=VOXELS,
+            warm_up=50,
+            hold=0.0,
+            average=0.99,
+            observations=8,
             largest_gradient=1.0,
         ),
     }

@@ -36,6 +36,7 @@ from reflest_core.synbrdf.tabletop.face_ward_bsdf import face_ward_bsdf
 from reflest_core.synbrdf.tabletop.ground import Setting
 from reflest_core.synbrdf.tabletop.tabletop_scene import (
     TabletopChoices,
+    TabletopLight,
     TabletopScene,
     draw_tabletop,
 )
@@ -200,7 +201,7 @@ def _card(
         "materials": material_cards(scene.painted, points),
         "material_source": request.materials.source.value,
         "setting": scene.setting.value,
-        "light": "distant" if scene.room is None else "near",
+        "light": _kind_of_light(request, scene).value,
         "shapes": scene.shapes,
         "environment": scene.light.name,
         "environment_rotation": scene.light.rotation,
@@ -212,3 +213,9 @@ def _card(
         "realism": None if request.realism is None else dataclasses.asdict(request.realism),
         "command": command,
     }
+
+
+def _kind_of_light(request: TabletopRequest, scene: TabletopScene) -> TabletopLight:
+    if scene.room is not None:
+        return TabletopLight.NEAR
+    return request.choices.light or TabletopLight.DISTANT

@@ -12,12 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf.parameters import WardParameters
-from reflest_core.synbrdf.lights.environments import load_environment, rotated
+from reflest_core.synbrdf.lights.environments import (
+    load_environment,
+    load_environments,
+    rotated,
+)
+from reflest_core.synbrdf.lights.light_diversity import draw_diverse_light
 from reflest_core.synbrdf.room.draw import draw_room
 from reflest_core.synbrdf.room.geometry import Room
 from reflest_core.synbrdf.scenes.material_sources import Materials, NamedMaterial
 from reflest_core.synbrdf.scenes.painted_mesh import PaintedMesh, joined
-from reflest_core.synbrdf.scenes.scene import ROOM, Light, Scene
+from reflest_core.synbrdf.scenes.scene import DIVERSE, ROOM, Light, Scene
 from reflest_core.synbrdf.scenes.seeding import Purpose, generator
 from reflest_core.synbrdf.scenes.splits import Sources, Split
 from reflest_core.synbrdf.sequences.trajectory import Orbit, hand_held_orbit
@@ -41,6 +46,8 @@ class TabletopLight(enum.Enum):
 
     DISTANT = "distant"
     """An environment map, infinitely far."""
+    DIVERSE = "diverse"
+    """The same of a new one, mixed of the given ones, procedural skies and rooms; for training."""
     NEAR = "near"
     """A room of :mod:`.room.draw`, whose windows show an environment map."""
 
@@ -112,7 +119,10 @@ def draw_tabletop(
     objects, shapes = draw_objects(of_objects, sources.meshes, materials, choices.objects)
     painted = joined([ground, *objects])
     poses = hand_held_orbit(of_views, views, AIM_DIAMETER, ORBITS[setting])
-    light = _draw_light(of_light, sources, choices.environment_height)
+    if choices.light is TabletopLight.DIVERSE:
+        light = _draw_diverse_light(of_light, sources)
+    else:
+        light = _draw_light(of_light, sources, choices.environment_height)
     room = None
     if is_near:
         room = draw_room(of_room, painted.mesh, poses, light.radiance, has_table=False)
@@ -160,3 +170,8 @@ def _draw_light(rng: np.random.Generator, sources: Sources, height: int) -> Ligh
     source = sources.environments[int(rng.integers(len(sources.environments)))]
     angle = float(rng.uniform(0.0, 2.0 * np.pi))
     return Light(source.name, angle, rotated(load_environment(source, height), angle))
+
+
+def _draw_diverse_light(rng: np.random.Generator, sources: Sources) -> Light:
+    drawn = draw_diverse_light(rng, load_environments(sources.environments))
+    return Light("+".join((DIVERSE, *drawn.natural)), 0.0, drawn.radiance)

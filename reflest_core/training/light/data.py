@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,11 +12,16 @@ from typing import Any
 from reflest_core.models.recipe import Recipe
 from reflest_core.source_fingerprint import source_fingerprint
 from reflest_core.synbrdf.generation.data_folder import read_manifest
+from reflest_core.synbrdf.scenes.scene import ROOM
 from reflest_core.training.data.sample import TrainingError
 from reflest_core.training.light.scan_file import ScanCard
 from reflest_core.training.light.scan_plan import SCAN_PARTS, SOURCES, ScanPlan
 from reflest_core.training.light.scan_shards import make_scans
+from reflest_core.training.light.scanned_materials import scan_scenes
 from reflest_core.training.light.stored_scans import StoredScans, load_scans
+
+ONE_HELD_OUT_OF = 10
+"""Of so many lights of scanned scenes, one is for validation and calibration alone."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +104,46 @@ def load_light_data(
             "shading_code": source_fingerprint(*SOURCES),
         },
     )
+
+
+def load_scene_data(folders: list[Path], recipe: Recipe, place: ScanFolder) -> LightData:
+    """Scan the scenes that have not been scanned yet, and load the materials found in all.
+
+    Every tenth light, by a hash of its name, is held out for validation and calibration.
+
+    Args:
+        folders: Each holds bags of ``reflest synbrdf tabletop``.
+        recipe: The training's; environments of its ``hold_out`` are left out altogether.
+        place: Where what is learned from is kept.
+
+    Raises:
+        TrainingError: There is no scene, or too few lights to hold one out.
+    """
+    paths = [path for one in folders for path in scan_scenes(one, place.folder, place.jobs)]
+    without = set(recipe.hold_out)
+
+    def is_known(card: ScanCard) -> bool:
+        return not set(card.environment.split("+")) & without
+
+    training = load_scans(paths, lambda card: is_known(card) and not _is_for_validation(card))
+    held_out = load_scans(paths, lambda card: is_known(card) and _is_for_validation(card))
+    return LightData(
+        training,
+        held_out,
+        held_out,
+        {
+            "scenes": len(paths),
+            "train_looks": len(training),
+            "held_out_looks": len(held_out),
+            "shading_code": source_fingerprint("reflest_core.training.light.scanned_materials"),
+        },
+    )
+
+
+def _is_for_validation(card: ScanCard) -> bool:
+    """Whether a scene's light is held out; every room is a light of its own."""
+    light = f"room {card.scene}" if card.environment == ROOM else card.environment
+    return zlib.crc32(light.encode()) % ONE_HELD_OUT_OF == 0
 
 
 def _held_out(data: Path, recipe: Recipe, place: ScanFolder) -> StoredScans:

@@ -10,6 +10,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from reflest_core.models.definition import SCENES
 from reflest_core.parameter import ParameterError
 from reflest_core.training.method import TrainingMethod
 
@@ -120,7 +121,11 @@ class LightTraining(TrainingMethod):
         """
         from reflest_core.models.weights import load_weights
         from reflest_core.training.light.ablation import check_parts
-        from reflest_core.training.light.data import ScanFolder, load_light_data
+        from reflest_core.training.light.data import (
+            ScanFolder,
+            load_light_data,
+            load_scene_data,
+        )
         from reflest_core.training.light.measured_scans import MeasuredScans
         from reflest_core.training.light.task import LightTask
 
@@ -130,7 +135,10 @@ class LightTraining(TrainingMethod):
         jobs = arguments.jobs or os.cpu_count() or 1
         place = ScanFolder(arguments.scan_folder or arguments.out / "scans", jobs)
         with processes.first_alone():
-            data = load_light_data(arguments.data, recipe, arguments.scans or SCANS, place)
+            if arguments.recipe == SCENES:
+                data = load_scene_data(arguments.data, recipe, place)
+            else:
+                data = load_light_data(arguments.data, recipe, arguments.scans or SCANS, place)
         statistics = None
         if arguments.start is not None:
             statistics = load_weights(arguments.start)[1].statistics

@@ -36,7 +36,9 @@ def sources(tmp_path_factory):
 
 def scene_of(sources, seed=1, **choices):
     rng = np.random.default_rng(seed)
-    return draw_tabletop(rng, sources, MEASURED, 6, TabletopChoices(None, None, 16, **choices))
+    return draw_tabletop(
+        rng, sources, MEASURED, 6, TabletopChoices(environment_height=16, **choices)
+    )
 
 
 def test_a_checker_alternates_in_albedo_alone():
@@ -132,3 +134,17 @@ def test_seeds_give_both_settings_and_lights_and_textures(sources):
         assert high.min() > 0.1
         energy = scene.painted.rho_d.max(axis=1) + scene.painted.rho_s
         assert energy.max() <= 1 + 1e-6
+
+
+def test_diverse_light_is_named_by_what_is_mixed_and_decided_by_the_seed(sources):
+    drawn = [scene_of(sources, seed, light=TabletopLight.DIVERSE) for seed in (1, 1, 2)]
+    names = {source.name for source in sources.environments}
+    for scene in drawn:
+        kind, *natural = scene.light.name.split("+")
+        assert kind == "diverse"
+        assert set(natural) <= names
+        assert scene.room is None
+        assert np.isfinite(scene.light.radiance).all()
+    np.testing.assert_array_equal(drawn[0].light.radiance, drawn[1].light.radiance)
+    assert drawn[2].light.radiance.shape == drawn[0].light.radiance.shape
+    assert np.abs(drawn[2].light.radiance - drawn[0].light.radiance).max() > 0.0
