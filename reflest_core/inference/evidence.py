@@ -29,6 +29,29 @@ TRAINED = 96
 
 
 @dataclass(frozen=True)
+class DiffuseSample:
+    """Voxels spread over a surface.
+
+    Attributes:
+        voxels: (D,) indices into it.
+        colours: (D, 3) float32, linear, without highlights.
+    """
+
+    voxels: NDArray[np.int64]
+    colours: NDArray[np.float32]
+
+    @staticmethod
+    def of(surface: ObservedSurface) -> DiffuseSample:
+        """Choose voxels evenly.
+
+        Args:
+            surface: A whole scan, or a material's part of it.
+        """
+        voxels = thinned(surface.observation_counts, SHADED)
+        return DiffuseSample(voxels, diffuse_colours(surface, voxels))
+
+
+@dataclass(frozen=True)
 class MaterialEvidence:
     """Observations of one material's surface beside the light that was seen.
 
@@ -55,18 +78,21 @@ class MaterialEvidence:
     gloss: GlossFit
 
 
-def scene_occluders(surface: ObservedSurface, has_visibility: bool = True) -> Occluders:
+def scene_occluders(
+    surface: ObservedSurface, has_visibility: bool = True, diffuse: DiffuseSample | None = None
+) -> Occluders:
     """Surfels of a whole scan that hide light from one another.
 
     Args:
         surface: all materials together.
         has_visibility: False for none (an ablation); their mean colour is then still that of the
             surface.
+        diffuse: of the surface, where it is known.
     """
-    voxels = thinned(surface.observation_counts, SHADED)
-    colours = diffuse_colours(surface, voxels)
-    hiding = voxels if has_visibility else voxels[:0]
-    return Occluders.of(surface.positions[hiding], surface.normals[hiding], colours.mean(axis=0))
+    diffuse = DiffuseSample.of(surface) if diffuse is None else diffuse
+    hiding = diffuse.voxels if has_visibility else diffuse.voxels[:0]
+    own = diffuse.colours.mean(axis=0)
+    return Occluders.of(surface.positions[hiding], surface.normals[hiding], own)
 
 
 def material_evidence(
@@ -74,6 +100,7 @@ def material_evidence(
     filled: LightPyramid,
     occluders: Occluders | SceneOccluders,
     share: float = 1.0,
+    diffuse: DiffuseSample | None = None,
 ) -> MaterialEvidence:
     """Gather the evidence of one material.
 
@@ -82,8 +109,10 @@ def material_evidence(
         filled: the light that was seen, filled smoothly where it was not.
         occluders: of the whole scene.
         share: of the usual voxels whose observations give gloss, in (0, 1].
+        diffuse: of the material's voxels, where it is known.
     """
-    voxels = thinned(surface.observation_counts, SHADED)
+    diffuse = DiffuseSample.of(surface) if diffuse is None else diffuse
+    voxels = diffuse.voxels
     weights = cosine_weights(surface.normals[voxels])
     sight = occluders.sight(surface.positions[voxels], surface.normals[voxels], weights)
     sample = sampled(surface, choose_voxels(surface, max(round(share * SAMPLED), TRAINED)))
@@ -101,7 +130,7 @@ def material_evidence(
     return MaterialEvidence(
         surface=surface,
         voxels=voxels,
-        colours=diffuse_colours(surface, voxels),
+        colours=diffuse.colours,
         sight=sight,
         incoming=incoming(weights, sight),
         sample=sample,

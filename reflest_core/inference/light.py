@@ -11,7 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.brdf import srgb
-from reflest_core.inference.evidence import MaterialEvidence, material_evidence, scene_occluders
+from reflest_core.inference.evidence import (
+    DiffuseSample,
+    MaterialEvidence,
+    material_evidence,
+    scene_occluders,
+)
 from reflest_core.inference.joint_scene import JointScene, infer_jointly
 from reflest_core.inference.light_from_reflections import infer_light_by_gloss
 from reflest_core.inference.light_from_shading import InferredLight, infer_from_shading
@@ -95,9 +100,12 @@ def infer_light(
         return _infer_jointly(surface, observed, partition, joint, evidence_of)
     filled = complete(observed)
     parts = LightParts.of(observed, filled)
-    occluders = scene_occluders(surface, has_visibility)
+    diffuse = DiffuseSample.of(surface)
+    occluders = scene_occluders(surface, has_visibility, diffuse)
     evidence = {
-        material_id: material_evidence(part, filled, occluders, evidence_share)
+        material_id: material_evidence(
+            part, filled, occluders, evidence_share, diffuse if part is surface else None
+        )
         for material_id, part in partition.parts(surface)
         if part.observation_counts.any()
     }

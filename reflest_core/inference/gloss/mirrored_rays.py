@@ -53,8 +53,8 @@ class OccupiedCells:
         area = 2.0 * (extent[0] * extent[1] + extent[1] * extent[2] + extent[2] * extent[0])
         spacing = np.sqrt(max(area, 1e-12) / len(positions))
         size = max(SPACINGS * spacing, float(extent.max()) / MOST_CELLS, 1e-6)
-        origin = least - 3.0 * size
-        cells = np.full(np.ceil(extent / size).astype(np.int64) + 6, OUTSIDE, np.uint8)
+        origin = least - size
+        cells = np.full(np.ceil(extent / size).astype(np.int64) + 3, OUTSIDE, np.uint8)
         cells[1:-1, 1:-1, 1:-1] = 0
         x, y, z = ((positions - origin) / size).astype(np.int64).T
         cells[x, y, z] = OCCUPIED

@@ -82,31 +82,36 @@ def _spreads(
     radius: float,
 ) -> NDArray[np.float64]:
     """Spreads (V,) in the original order; the other arrays are sorted by the ``keys`` of cells."""
-    spreads = np.full(len(keys), math.pi)
+    totals, counts = np.zeros(len(keys)), np.zeros(len(keys), np.int64)
     limit = radius * radius
-    # Where each line of three cells begins; the keys rise, and so do the lines' places.
-    firsts = np.zeros(9, np.int64)
+    # Where each line of three cells begins; the keys rise, and so do the lines' places. Each pair
+    # is met once, at its first voxel: what comes later lies in the same line or in four more.
+    steps = (0, columns, rows * columns - columns, rows * columns, rows * columns + columns)
+    firsts = np.zeros(5, np.int64)
     for voxel in range(len(keys)):
-        total, count = 0.0, 0
-        for row in range(-1, 2):
-            for column in range(-1, 2):
-                middle = keys[voxel] + row * rows * columns + column * columns
-                line = 3 * row + column + 4
-                while firsts[line] < len(keys) and keys[firsts[line]] < middle - 1:
-                    firsts[line] += 1
-                other = firsts[line]
-                while other < len(keys) and keys[other] <= middle + 1:
-                    x = positions[other, 0] - positions[voxel, 0]
-                    y = positions[other, 1] - positions[voxel, 1]
-                    z = positions[other, 2] - positions[voxel, 2]
-                    if other != voxel and x * x + y * y + z * z <= limit:
-                        total += 1.0 - (
-                            normals[other, 0] * normals[voxel, 0]
-                            + normals[other, 1] * normals[voxel, 1]
-                            + normals[other, 2] * normals[voxel, 2]
-                        )
-                        count += 1
-                    other += 1
-        if count > 0:
-            spreads[order[voxel]] = math.sqrt(max(2.0 * total / count, 0.0))
+        for line in range(5):
+            middle = keys[voxel] + steps[line]
+            first = max(firsts[line], voxel + 1)
+            while first < len(keys) and keys[first] < middle - 1:
+                first += 1
+            firsts[line] = other = first
+            while other < len(keys) and keys[other] <= middle + 1:
+                x = positions[other, 0] - positions[voxel, 0]
+                y = positions[other, 1] - positions[voxel, 1]
+                z = positions[other, 2] - positions[voxel, 2]
+                if x * x + y * y + z * z <= limit:
+                    bend = 1.0 - (
+                        normals[other, 0] * normals[voxel, 0]
+                        + normals[other, 1] * normals[voxel, 1]
+                        + normals[other, 2] * normals[voxel, 2]
+                    )
+                    totals[voxel] += bend
+                    totals[other] += bend
+                    counts[voxel] += 1
+                    counts[other] += 1
+                other += 1
+    spreads = np.full(len(keys), math.pi)
+    for voxel in range(len(keys)):
+        if counts[voxel] > 0:
+            spreads[order[voxel]] = math.sqrt(max(2.0 * totals[voxel] / counts[voxel], 0.0))
     return spreads

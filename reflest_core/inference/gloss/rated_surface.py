@@ -88,7 +88,7 @@ class RatedSurface:
             occupied.cells,
             occupied.origin,
             occupied.size,
-            light_bands(light),
+            light_bands(light).astype(np.float64),  # which the kernel computes in
             len(light.levels[0]),
         )
         return RatedSurface(deviations, is_usable, counts, information)
@@ -168,7 +168,7 @@ def _rate(
     cells: NDArray[np.uint8],
     origin: NDArray[np.float64],
     cell_size: float,
-    bands: NDArray[np.float32],
+    bands: NDArray[np.float64],
     edge: int,
 ) -> tuple[NDArray[np.bool_], NDArray[np.int64], NDArray[np.float64]]:
     """``is_usable`` (O,), ``counts`` (V,) and ``information`` (V,) of :class:`RatedSurface`."""
