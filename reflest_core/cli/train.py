@@ -150,12 +150,7 @@ def _wanted(arguments: argparse.Namespace) -> list[_Wanted]:
         variant = variant_named(arguments.variant)
         return [_Wanted(variant.name, variant.recipe(origin), arguments.out)]
     network = network_named(arguments.model)
-    if origin not in network.recipes:
-        raise ParameterError(
-            f"{network.name} has no recipe {origin!r}: give --recipe "
-            f"{' or '.join(network.recipes)}, or leave it out"
-        )
-    return [_Wanted(network.name, network.recipes[origin], arguments.out)]
+    return [_Wanted(network.name, network.recipe(origin), arguments.out)]
 
 
 def _train(

@@ -36,6 +36,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.models.recipe import Recipe
+from reflest_core.parameter import ParameterError
 
 if TYPE_CHECKING:
     import torch
@@ -208,6 +209,21 @@ class NetworkDefinition(ABC):
         from reflest_core.models.minibatch import stacked_features
 
         return stacked_features(self, packed, drawn)
+
+    def recipe(self, origin: str) -> Recipe:
+        """Return the recipe of an origin.
+
+        Args:
+            origin: One of :attr:`recipes`.
+
+        Raises:
+            ParameterError: The network has none of that origin.
+        """
+        if origin not in self.recipes:
+            raise ParameterError(
+                f"{self.name} has no recipe {origin!r}: give --recipe {' or '.join(self.recipes)}"
+            )
+        return self.recipes[origin]
 
     def model_named(self, name: str) -> Model:
         """Return the model of that name.

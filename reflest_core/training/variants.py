@@ -49,8 +49,11 @@ class Variant:
 
         Args:
             origin: ``ours`` or ``paper``.
+
+        Raises:
+            ParameterError: There is no recipe of that origin.
         """
-        base = network_named(self.network).recipes[origin]
+        base = network_named(self.network).recipe(origin)
         return dataclasses.replace(base, loss=self.loss, colour_constancy=self.colour_constancy)
 
 

@@ -106,3 +106,11 @@ def test_a_folder_without_scenes_is_refused_in_a_sentence(tmp_path, capsys):
     command = ["train", str(tmp_path), "--model", "lightnet", "--recipe", "scenes"]
     assert main([*command, "--out", str(tmp_path / "run"), "--device", "cpu"]) != 0
     assert "no scanned scene with a truth.ply" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "what", [["--model", "grouplet"], ["--variant", "hemicnn-rmse1"], ["--all"]]
+)
+def test_other_networks_have_no_recipe_for_scenes(what, tables, tmp_path, capsys):
+    assert main(["train", str(tables), *what, "--recipe", "scenes", "--out", str(tmp_path)]) != 0
+    assert "has no recipe 'scenes': give --recipe" in capsys.readouterr().err
