@@ -31,6 +31,8 @@ STEPS_OF_FRAME = 16
 COARSE, COARSE_STEP, MAY_BE_LOWER = 3, 1 / 4, 0.95
 """Whether a near reading may cost less is searched on every so many samples, with such last steps
 over the first; all readings are searched where it costs less than such a share."""
+CLEAR = 0.04
+"""Cost below which nothing is searched: focal lengths off by 5 % cost 0.05 to 0.4."""
 POOR = 0.3
 """Cost from which on all readings are searched; else only if one that is near costs less."""
 LOWER = 0.9
@@ -169,6 +171,8 @@ def _best_readings(pairs: ViewPairs) -> Generator[None, None, list[Reading]]:
         One; two where a wrong centre and a wrong mounting explain the views as well; or none.
     """
     given = pairs.meet(Reading())
+    if given.cost < CLEAR:
+        return []
     if given.cost < POOR:
         least = given.cost
         for names in READINGS[-2:]:

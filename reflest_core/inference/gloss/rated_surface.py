@@ -25,9 +25,8 @@ from reflest_core.inference.gloss.mirrored_rays import (
     leaves_object,
 )
 from reflest_core.inference.gloss.normal_quality import normal_deviations
-from reflest_core.jit import compiled, kernel_array
+from reflest_core.jit import compiled, kernel_array, vectorised
 from reflest_core.light.completion import RADIANCE, LightPyramid, doubled, halved
-from reflest_core.light.octahedral import octahedral_texel
 from reflest_core.surface.observed_surface import ObservedSurface
 
 STEEPEST = 0.3
@@ -176,6 +175,11 @@ def _rate(
     is_usable = np.zeros(len(view_indices), np.bool_)
     counts, information = np.zeros(voxels, np.int64), np.zeros(voxels)
     mass, first, second = np.zeros(channels), np.zeros(channels), np.zeros(channels)
+    centres, mirrored = (
+        np.ones((3, MOST_OBSERVATIONS), np.float32),
+        np.zeros((4, MOST_OBSERVATIONS)),
+    )
+    texels = np.zeros(MOST_OBSERVATIONS, np.int64)
     for voxel in range(voxels):
         if not is_candidate[voxel]:
             continue
@@ -188,26 +192,19 @@ def _rate(
         first_row, made = offsets[voxel], offsets[voxel + 1] - offsets[voxel]
         taken = min(made, MOST_OBSERVATIONS)
         for slot in range(taken):
-            o = first_row + slot * made // taken
-            view = view_indices[o]
-            dx, dy, dz = (
-                view_centres[view, 0] - px,
-                view_centres[view, 1] - py,
-                view_centres[view, 2] - pz,
-            )
-            length = math.sqrt(dx * dx + dy * dy + dz * dz)
-            cosine = (dx * nx + dy * ny + dz * nz) / length
-            if not (length > 0.0 and cosine > STEEPEST):
+            view = view_indices[first_row + slot * made // taken]
+            for axis in range(3):
+                centres[axis, slot] = view_centres[view, axis]
+        _mirror(positions[voxel], normals[voxel], centres, edge, mirrored, texels)
+        for slot in range(taken):
+            mx, my, mz, cosine = mirrored[:, slot]
+            if not cosine > STEEPEST:
                 continue
-            mx = 2.0 * cosine * nx - dx / length
-            my = 2.0 * cosine * ny - dy / length
-            mz = 2.0 * cosine * nz - dz / length
             if not leaves_object(cells, start_x, start_y, start_z, STEP * mx, STEP * my, STEP * mz):
                 continue
+            o, texel = first_row + slot * made // taken, texels[slot]
             is_usable[o] = True
             counts[voxel] += 1
-            row, column = octahedral_texel(mx, my, mz, edge)
-            texel = row * edge + column
             trust = bands[texel, channels]
             for channel in range(3):
                 colour = colours[o, channel]
@@ -226,3 +223,44 @@ def _rate(
                 if mass[i] > 0.0:
                     information[voxel] += second[i] - first[i] * first[i] / mass[i]
     return is_usable, counts, information
+
+
+@vectorised
+def _mirror(
+    position: NDArray[np.float32],
+    normal: NDArray[np.float32],
+    centres: NDArray[np.float32],
+    edge: int,
+    mirrored: NDArray[np.float64],
+    texels: NDArray[np.int64],
+) -> None:
+    """Mirror a voxel's directions to cameras, all at once.
+
+    Args:
+        position: (3,) of the voxel.
+        normal: (3,) unit.
+        centres: (3, MOST_OBSERVATIONS) of the cameras; those beyond the voxel's count for nothing.
+        edge: of the light's map.
+        mirrored: (4, MOST_OBSERVATIONS) takes the mirrored directions, and the cosine between
+            normal and view; -1 for a camera on the voxel.
+        texels: (MOST_OBSERVATIONS,) takes :func:`.octahedral_texel` of the mirrored directions.
+    """
+    px, py, pz = position[0], position[1], position[2]
+    nx, ny, nz = normal[0], normal[1], normal[2]
+    for n in range(MOST_OBSERVATIONS):
+        dx, dy, dz = centres[0, n] - px, centres[1, n] - py, centres[2, n] - pz
+        length = np.sqrt(dx * dx + dy * dy + dz * dz)
+        cosine = (dx * nx + dy * ny + dz * nz) / length
+        mx = 2.0 * cosine * nx - dx / length
+        my = 2.0 * cosine * ny - dy / length
+        mz = 2.0 * cosine * nz - dz / length
+        mirrored[0, n], mirrored[1, n], mirrored[2, n] = mx, my, mz
+        mirrored[3, n] = cosine if length > 0.0 else -1.0
+        norm = abs(mx) + abs(my) + abs(mz)
+        u, v = mx / norm, my / norm
+        folded_u = (1.0 - abs(v)) * (1.0 if u >= 0.0 else -1.0)
+        folded_v = (1.0 - abs(u)) * (1.0 if v >= 0.0 else -1.0)
+        u, v = (folded_u if mz < 0.0 else u), (folded_v if mz < 0.0 else v)
+        column = min(max(int((u + 1.0) * 0.5 * edge), 0), edge - 1)
+        row = min(max(int((v + 1.0) * 0.5 * edge), 0), edge - 1)
+        texels[n] = row * edge + column
