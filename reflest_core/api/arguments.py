@@ -199,9 +199,10 @@ def checked_depth(
     known = np.isfinite(metres) & (metres > 0.0)
     metres = np.where(known, metres, np.float32(0.0))
     if known.any() and float(np.median(metres[known])) > LIKELY_MILLIMETRES:
+        likely = 0.001 * (1.0 if scale is None else scale)
         raise ArgumentRefused(
             f"depth's median is {float(np.median(metres[known])):.4g} m: it looks like "
-            "millimetres; pass metres, or give Scanner depth_scale=0.001"
+            f"millimetres; pass metres, or give Scanner depth_scale={likely:g}"
         )
     return metres
 

@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 from reflest_core.environment.known_rooms import read_known_light
-from reflest_core.estimation.estimate import BrdfEstimate, EstimateStatus
+from reflest_core.estimation.estimate import BrdfEstimate
 from reflest_core.estimation.estimator import Estimator
 from reflest_core.estimation.material_map import MaterialMap
+from reflest_core.estimation.pose_problem import poses_explain, with_poses
 from reflest_core.estimation.scan_memory import ScanMemory
 from reflest_core.estimation.settings import EstimationSettings, ReflestSettings
 from reflest_core.fusion.frames.region import Region
@@ -35,8 +36,6 @@ from reflest_core.segmentation.segmenter import Segmenter
 from reflest_core.surface.observed_surface import ObservedSurface
 from reflest_core.surface.partition import Partition
 
-LONGEST_TEXT = 512
-"""The message's bound on ``status_text``."""
 EVERY_VOXEL = 1 << 24
 """More voxels than a scan's memory budget holds."""
 MISPLACED = (RefusalCause.POSE_INVALID, RefusalCause.NO_OVERLAP)
@@ -232,14 +231,18 @@ class Pipeline:
         Raises:
             NoEstimate: Too few voxels were observed.
         """
+        with poses_explain(snapshot.poses):
+            return self._estimate(snapshot)
+
+    def _estimate(self, snapshot: KeyframeSnapshot) -> BrdfEstimate:
         header = snapshot.stamp_ns, snapshot.frame_id, snapshot.light_problem
         is_part, estimate = snapshot.around is not None, None
         surface = snapshot.surface if snapshot.around is None else snapshot.around
         if snapshot.middle is not None:
             estimate = self.estimator.material_at(surface, snapshot.middle, *header)
         if estimate is not None:
-            return _with_poses(estimate, snapshot.poses)
-        estimate = _with_poses(self.estimator.estimate(surface, *header), snapshot.poses)
+            return with_poses(estimate, snapshot.poses)
+        estimate = with_poses(self.estimator.estimate(surface, *header), snapshot.poses)
         if is_part or snapshot.voxel_count is None or snapshot.observation_count is None:
             return estimate
         return replace(
@@ -262,15 +265,16 @@ class Pipeline:
             NoEstimate: Too few voxels were observed.
         """
         surface, header = snapshot.surface, (snapshot.stamp_ns, snapshot.frame_id)
-        if snapshot.memory is None:
-            whole = Partition.whole(surface)
-            found = self.estimator.materials(surface, whole, *header, snapshot.light_problem)
-        else:
-            found = self.estimator.segmented_materials(
-                surface, snapshot.memory, *header, snapshot.light_problem
-            )
+        with poses_explain(snapshot.poses):
+            if snapshot.memory is None:
+                whole = Partition.whole(surface)
+                found = self.estimator.materials(surface, whole, *header, snapshot.light_problem)
+            else:
+                found = self.estimator.segmented_materials(
+                    surface, snapshot.memory, *header, snapshot.light_problem
+                )
         materials = (
-            replace(material, estimate=_with_poses(material.estimate, snapshot.poses))
+            replace(material, estimate=with_poses(material.estimate, snapshot.poses))
             for material in found.materials
         )
         return replace(found, materials=tuple(materials), world_frame_id=snapshot.world_frame_id)
@@ -381,22 +385,3 @@ class Pipeline:
             self.estimator, self._known_light = estimator, known_light
 
         return put_to_use
-
-
-def _with_poses(estimate: BrdfEstimate, poses: PoseReport | None) -> BrdfEstimate:
-    """Add what is known of the poses; a problem with them is the most severe warning."""
-    if poses is None:
-        return estimate
-    if not poses.problem:
-        return replace(estimate, depth_agreement=poses.agreement)
-    sentences = [poses.problem]
-    for sentence in filter(None, estimate.status_text.split("; ")):
-        if len("; ".join([*sentences, sentence])) > LONGEST_TEXT:
-            break
-        sentences.append(sentence)
-    return replace(
-        estimate,
-        depth_agreement=poses.agreement,
-        status=EstimateStatus.INCONSISTENT_POSES,
-        status_text="; ".join(sentences)[:LONGEST_TEXT],
-    )

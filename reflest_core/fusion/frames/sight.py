@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from reflest_core.capture.frame import Frame
 from reflest_core.capture.pose import FURTHEST
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
+from reflest_core.fusion.frames.depth_unit import CHECK, mistake_of, unit_hint
 from reflest_core.fusion.frames.region import Region
 from reflest_core.fusion.settings import FusionSettings
 from reflest_core.jit import compiled, kernel_array
@@ -97,9 +98,8 @@ def _mean_and_variance(positions: NDArray[np.float32]) -> tuple[NDArray[np.float
     return mean, squares[0] + squares[1] + squares[2]
 
 
-FURTHEST_LIKELY, NEAREST_LIKELY = 50.0, 0.02
-"""Median depths, metres, beyond which the unit is taken to be wrong."""
-
+NEAREST_LIKELY = 0.02
+"""Metres; depth that is nearer everywhere is not fused."""
 
 WINDOW, NEAR_DECADE = 0.05, 0.15
 """Half edge, in edges of the image, of where depth is compared with the region's distance, and by
@@ -225,7 +225,9 @@ def refusal_without_surface(
         )
     else:
         sentence = f"no depth lies {within}: raise max_depth or move closer"
-    return FrameRefused(RefusalCause.NO_OVERLAP, f"{sentence}; {_depth_seen(frame)}")
+    return FrameRefused(
+        RefusalCause.NO_OVERLAP, f"{sentence}; {_depth_seen(frame, settings.max_depth)}"
+    )
 
 
 def _scale_hint(frame: Frame, region: Region) -> str:
@@ -246,25 +248,21 @@ def _scale_hint(frame: Frame, region: Region) -> str:
     decades = math.log10(float(np.median(known)) / distance)
     if round(decades) == 0 or abs(decades - round(decades)) > NEAR_DECADE:
         return ""
+    factor = 10.0 ** round(decades)
+    likely = mistake_of(factor)
     return (
-        f"; depth there is about {10.0 ** round(decades):g} times the region's distance of "
-        f"{distance:.3g} m: check the depth's unit (capture.depth_scale)"
+        f"; depth there is about {factor:g} times the region's distance of {distance:.3g} m: "
+        f"{f'it seems to be {likely}' if likely else CHECK}"
     )
 
 
-def _depth_seen(frame: Frame) -> str:
+def _depth_seen(frame: Frame, max_depth: float) -> str:
     """Say what depth there is, and where its unit cannot be right, which is likely."""
     valid = frame.depth[np.isfinite(frame.depth) & (frame.depth > 0.0)]
     least, median, most = (float(value) for value in np.quantile(valid, (0.0, 0.5, 1.0)))
     seen = f"depth is {least:.3g} to {most:.3g} m, its median {median:.3g} m"
-    if median > FURTHEST_LIKELY:
-        return (
-            f"{seen}: it seems to be in millimetres, which 16UC1 is for; 32FC1 is in metres, and "
-            "capture.depth_scale is the unit of 16-bit depth"
-        )
-    if median < NEAREST_LIKELY:
-        return f"{seen}: check its unit (capture.depth_scale)"
-    return seen
+    hint = unit_hint(median, max_depth)
+    return f"{seen}: {hint}" if hint else seen
 
 
 def _shows_depth(frame: Frame, max_depth: float) -> bool:

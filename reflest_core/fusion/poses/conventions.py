@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.capture.pose import quaternion_of, rigid_matrix
+from reflest_core.fusion.frames.depth_unit import mistake_of
 from reflest_core.fusion.poses.agreement import Agreement, DepthSample
 
 Matrix = NDArray[np.float64]
@@ -125,10 +126,11 @@ def _conventions() -> Iterator[Convention]:
             (scale, f"{scale:g} times longer"),
             (1 / scale, f"{scale:g} times shorter"),
         ):
+            mistake = mistake_of(factor)
+            of_depth = f"depth may be {mistake}" if mistake else "check capture.depth_scale"
             yield Convention(
                 "the poses' positions and the depth seem to be in different units: positions "
-                f"{fits} fit the depth; check the tracker's unit (metres are wanted) and "
-                "capture.depth_scale",
+                f"{fits} fit the depth; check the tracker's unit (metres are wanted); {of_depth}",
                 _scaled(factor),
                 scale=factor,
             )
