@@ -48,7 +48,8 @@ class ObservedLight:
     @property
     def any_clipped(self) -> NDArray[np.float32]:
         """(N, N): ``clipped`` of the channel that was clipped most."""
-        return np.asarray(self.clipped.max(axis=-1))
+        red, green, blue = (self.clipped[..., channel] for channel in range(3))
+        return np.maximum(np.maximum(red, green), blue)
 
 
 @dataclass

@@ -9,6 +9,7 @@ each voxel and channel, and what the lobes see of clipped and unseen light (:mod
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +42,7 @@ class GlossFit:
     misfit: NDArray[np.float32]
     count: NDArray[np.float32]
 
-    @property
+    @cached_property
     def weight(self) -> NDArray[np.float32]:
         """(K,), how likely each roughness is by its misfit; they sum to 1."""
         return self.weight_by(EVIDENCE)
