@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from reflest_core.capture.pose import quaternion_of, rigid_matrix
 from reflest_core.fusion.frames.depth_unit import mistake_of
-from reflest_core.fusion.poses.agreement import Agreement, DepthSample
+from reflest_core.fusion.poses.agreement import SAMPLES, Agreement, DepthSample
 
 Matrix = NDArray[np.float64]
 Pair = tuple[DepthSample, DepthSample]
@@ -21,6 +21,9 @@ GOOD_SHARE = 0.75
 """A convention fits where pairs agree to this share under it."""
 GAIN = 0.15
 """It is named where it raises the share by at least this much."""
+FEW_SAMPLES, NOT_FAR = 300, 0.15
+"""Conventions are tried on so many samples of a frame first; those that lack more than the second
+share to fit are not tried on all."""
 FACTOR_SHARE, FACTOR_PAIRS, FACTOR_MARGIN = 0.9, 4, 0.05
 """A factor near one makes many wrong depth maps meet better than they did. It fits where every one
 of so many pairs agrees to this share, as under right poses; and is named where it exceeds every
@@ -176,10 +179,13 @@ def explanation_of(pairs: Sequence[Pair], given: float) -> Explanation:
     Returns:
         What is found.
     """
+    least = max(GOOD_SHARE, given + GAIN)
     fits = [
         (convention, shares)
         for convention in CONVENTIONS
-        if (shares := _shares(convention, pairs)) and _fits(convention, shares, given)
+        if _may_fit(convention, pairs, least)
+        and (shares := _shares(convention, pairs))
+        and _fits(convention, shares, least)
     ]
     if not fits:
         return Explanation()
@@ -198,19 +204,28 @@ def _shares(convention: Convention, pairs: Sequence[Pair]) -> list[float]:
     return shares if 2 * len(shares) > len(pairs) else []
 
 
-def _fits(convention: Convention, shares: list[float], given: float) -> bool:
+def _may_fit(convention: Convention, pairs: Sequence[Pair], least: float) -> bool:
+    """Whether a few samples agree nearly so well that all may."""
+    found = [_under(convention, earlier, later, FEW_SAMPLES) for earlier, later in pairs]
+    shares = sorted(agreement.share for agreement in found if agreement.count)
+    return bool(shares) and _median(shares) > least - NOT_FAR
+
+
+def _fits(convention: Convention, shares: list[float], least: float) -> bool:
     if convention.is_near_factor and (len(shares) < FACTOR_PAIRS or shares[0] < FACTOR_SHARE):
         return False
-    return _median(shares) > max(GOOD_SHARE, given + GAIN)
+    return _median(shares) > least
 
 
 def _median(rising: list[float]) -> float:
     return rising[len(rising) // 2]
 
 
-def _under(convention: Convention, earlier: DepthSample, later: DepthSample) -> Agreement:
+def _under(
+    convention: Convention, earlier: DepthSample, later: DepthSample, most: int = 4 * SAMPLES
+) -> Agreement:
     try:
         relative = np.linalg.inv(convention.pose(earlier.pose)) @ convention.pose(later.pose)
     except np.linalg.LinAlgError:
         return Agreement(0.0, 1.0, 0)
-    return later.meets(earlier, relative, focal=convention.focal)
+    return later.meets(earlier, relative, most=most, focal=convention.focal)
