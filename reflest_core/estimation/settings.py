@@ -40,7 +40,10 @@ class EstimationSettings:
     """The network, and the thresholds below which an estimate gets a warning."""
 
     model: str = parameter("lightnet", "The network that estimates.", choices=tuple(models()))
-    weights: str = parameter("", "Weight file to use in place of the shipped one.")
+    weights: str = parameter(
+        "",
+        "Weight file to use in place of the shipped ones, for a single material and for one among others.",
+    )
     device: str = parameter(
         "cpu", "Where the network runs; cuda needs PyTorch and a CUDA device.", choices=DEVICES
     )

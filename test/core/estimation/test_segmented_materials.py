@@ -10,8 +10,13 @@ import pytest
 from reflest_core.estimation.estimate import EstimateStatus
 from reflest_core.estimation.estimator import Estimator, NoEstimate
 from reflest_core.estimation.scan_memory import ScanMemory
+from reflest_core.estimation.scene_estimates import MOST_MOVED
 from reflest_core.estimation.settings import EstimationSettings
+from reflest_core.inference.transport.surface_irradiance import SurfaceSight, surface_irradiance
+from reflest_core.inference.voxel_albedo import Gloss, voxel_albedo
+from reflest_core.light.completion import RADIANCE
 from reflest_core.light.turned_light import turned_light
+from reflest_core.models.registry import network_of_model
 from reflest_core.segmentation.segmenter import Segmenter
 from reflest_core.surface.partition import Partition
 from reflest_core.surface.selection import keep_voxels
@@ -81,6 +86,38 @@ def test_the_map_says_how_well_its_light_is_determined_and_what_it_took(table, f
     one = Estimator(SETTINGS).materials(table.surface, whole, 5, "camera")
     assert np.isnan(one.light_condition)
     assert one.segment_count == 1
+
+
+def test_materials_among_others_have_weights_of_their_own(table, found):
+    estimator = Estimator(SETTINGS)
+    alone, among = estimator.predictor.model_id, estimator.scene_predictor.model_id
+    assert alone != among
+    assert {one.estimate.model_id for one in found.materials} == {among}
+    assert estimator.estimate(table.surface, 5, "camera").model_id == alone
+
+
+def test_weights_of_the_user_estimate_materials_among_others_too(table):
+    weights = network_of_model("lightnet").model_named("lightnet").weights
+    given = mapped(table.surface, settings=EstimationSettings(weights=str(weights)))
+    shipped = Estimator(SETTINGS).predictor.model_id
+    assert {one.estimate.model_id for one in given.materials} == {shipped}
+
+
+def test_the_network_moves_albedos_no_further_than_they_go_with_the_light(found):
+    light = found.light
+    for material in found.materials:
+        voxels = np.flatnonzero(found.material_ids == material.id)
+        gloss = Gloss(material.estimate.rho_s, material.estimate.alpha)
+        sight = SurfaceSight.of(found.surface.positions, found.surface.normals, light.occluders)
+        irradiance = surface_irradiance(light.completed, sight)[:, RADIANCE]
+        least, most = (
+            voxel_albedo(found.surface, voxels, light.completed, sight, irradiance, one).rho_d
+            for one in (gloss, dataclasses.replace(gloss, rho_s=0.0))
+        )
+        # As lit, rho_s is between none and the published one; a tenth is trimmed at either end.
+        published = np.array(material.estimate.rho_d)
+        assert (published > np.median(least, axis=0) * np.exp(-MOST_MOVED) * 0.8).all()
+        assert (published < np.median(most, axis=0) * np.exp(MOST_MOVED) * 1.2).all()
 
 
 def test_materials_reproduce_what_was_observed(found):
