@@ -42,7 +42,7 @@ class EstimationSettings:
     model: str = parameter("lightnet", "The network that estimates.", choices=tuple(models()))
     weights: str = parameter(
         "",
-        "Weight file to use in place of the shipped ones, for a single material and for one among others.",
+        "Weight file for a single material and for one among others, in place of the shipped two.",
     )
     device: str = parameter(
         "cpu", "Where the network runs; cuda needs PyTorch and a CUDA device.", choices=DEVICES
