@@ -97,6 +97,8 @@ def check_source(path: Path) -> None:
     try:
         if path.exists():
             return
+        if path.is_symlink():
+            raise SourceMissing(f"{path} is a link to nothing: {path.readlink()} does not exist")
         beside = [one.name for one in folder.iterdir()] if folder.is_dir() else []
     except OSError as error:
         raise SourceMissing(f"{path} cannot be read: {error.strerror}") from error

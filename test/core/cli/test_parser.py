@@ -188,3 +188,9 @@ def _noting(names, real):
         return real(name, *arguments, **options)
 
     return imported
+
+
+def test_a_link_to_nothing_is_named_as_one(tmp_path, capsys):
+    (tmp_path / "kitchen").symlink_to("nowhere")
+    assert main(["replay", str(tmp_path / "kitchen")]) == 2
+    assert f"{tmp_path / 'kitchen'} is a link to nothing: nowhere" in capsys.readouterr().err
