@@ -40,8 +40,8 @@ test: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
 
 # The tests of random use in their long form; an hour or more. See docs/reliability.md.
 stress: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
-	REFLEST_STRESS=1 $(BIN)/python -m pytest --timeout 7200 test/ros/test_random_use.py \
-		test/ros/test_hostile_requests.py test/ros/test_flat_memory.py test/ros/test_soak.py \
+	REFLEST_STRESS=1 $(BIN)/python -m pytest --timeout 7200 test/ros/load/test_random_use.py \
+		test/ros/load/test_hostile_requests.py test/ros/load/test_flat_memory.py test/ros/load/test_soak.py \
 		test/core/fusion/test_hostile_scans.py $(PYTEST_ARGS)
 
 bench: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp

@@ -7,12 +7,56 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from test_estimate_message import ESTIMATE
 
+from reflest_core.estimation.estimate import SCHEMA_VERSION, BrdfEstimate, EstimateStatus
 from reflest_core.estimation.pipeline import KeyframeSnapshot
 from reflest_core.surface.observed_surface import ObservedSurface
 
 STAMP_NS = 12_000_000_034
+
+ESTIMATE = BrdfEstimate(
+    stamp_ns=1_750_000_000_123_456_789,
+    frame_id="camera",
+    schema_version=SCHEMA_VERSION,
+    model_id="hemicnn/0",
+    ward_variant="ward-1992",
+    rho_d=(0.1, 0.2, 0.3),
+    rho_s=0.04,
+    alpha=0.15,
+    lab=(50.0, -3.0, 7.0),
+    c=0.2,
+    d=0.85,
+    voxel_count=70_000,
+    observation_count=3_000_000,
+    view_count=300,
+    coverage=0.4,
+    status=EstimateStatus.LOW_COVERAGE,
+    status_text="move",
+    alpha_stddev=0.01,
+    latency=0.2,
+)
+
+ESTIMATE = BrdfEstimate(
+    stamp_ns=1_750_000_000_123_456_789,
+    frame_id="camera",
+    schema_version=SCHEMA_VERSION,
+    model_id="hemicnn/0",
+    ward_variant="ward-1992",
+    rho_d=(0.1, 0.2, 0.3),
+    rho_s=0.04,
+    alpha=0.15,
+    lab=(50.0, -3.0, 7.0),
+    c=0.2,
+    d=0.85,
+    voxel_count=70_000,
+    observation_count=3_000_000,
+    view_count=300,
+    coverage=0.4,
+    status=EstimateStatus.LOW_COVERAGE,
+    status_text="move",
+    alpha_stddev=0.01,
+    latency=0.2,
+)
 
 
 def keyframe(voxels: int = 500, pose: np.ndarray | None = None) -> KeyframeSnapshot:
@@ -46,5 +90,5 @@ def looking_down(height: float = 1.0) -> np.ndarray:
 
 
 def estimate(**changes: object) -> object:
-    """The estimate of the message's tests, with other values."""
+    """``ESTIMATE`` with other values."""
     return dataclasses.replace(ESTIMATE, **changes)

@@ -8,7 +8,7 @@ import dataclasses
 import threading
 
 import pytest
-from test_estimate_message import ESTIMATE
+from view_input import ESTIMATE
 
 from reflest_core.errors import ReflestError
 from reflest_core.estimation.estimator import NoEstimate
