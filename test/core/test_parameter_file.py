@@ -1,6 +1,6 @@
 # Copyright 2026 The reflest developers
 # SPDX-License-Identifier: Apache-2.0
-"""Parameter files are read with rcl's rules; test/ros/node/test_parameter_files.py compares with it."""
+"""Parameter files are read with rcl's rules, as test/ros/node/test_parameter_files.py shows."""
 
 import math
 

@@ -36,28 +36,6 @@ ESTIMATE = BrdfEstimate(
     latency=0.2,
 )
 
-ESTIMATE = BrdfEstimate(
-    stamp_ns=1_750_000_000_123_456_789,
-    frame_id="camera",
-    schema_version=SCHEMA_VERSION,
-    model_id="hemicnn/0",
-    ward_variant="ward-1992",
-    rho_d=(0.1, 0.2, 0.3),
-    rho_s=0.04,
-    alpha=0.15,
-    lab=(50.0, -3.0, 7.0),
-    c=0.2,
-    d=0.85,
-    voxel_count=70_000,
-    observation_count=3_000_000,
-    view_count=300,
-    coverage=0.4,
-    status=EstimateStatus.LOW_COVERAGE,
-    status_text="move",
-    alpha_stddev=0.01,
-    latency=0.2,
-)
-
 
 def keyframe(voxels: int = 500, pose: np.ndarray | None = None) -> KeyframeSnapshot:
     """A plane of voxels at z = 0, each with one to four observations of its own colour."""
