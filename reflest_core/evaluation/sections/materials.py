@@ -16,6 +16,8 @@ COLUMNS = {
     "purity": "purity",
     "completeness": "completeness",
 }
+PICTURE = "../images/scene-materials.jpg"
+"""Drawn by ``docs/figures/scene_materials.py``, seen from the page."""
 HEADINGS = {"unseen": "Lights of no training", "training": "Lights of the network's training"}
 
 
@@ -48,6 +50,11 @@ def materials(record: Record) -> Lines:
         "over parameters, mean over a material's points, then over materials. ARI is the adjusted",
         "Rand index; balanced ARI, purity and completeness weight true materials alike. No network",
         "was trained on any of these scenes.",
+        "",
+        "The shipped table and three of them: photograph, rendered estimate, materials, albedo and",
+        "roughness beside the truth ([comment](../explanation/materials.md#how-good-it-is)).",
+        "",
+        f"![Photograph, estimate, materials, albedo and roughness of four scenes]({PICTURE})",
         "",
     ]
     for name, split in record["splits"].items():
