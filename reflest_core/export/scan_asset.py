@@ -37,6 +37,14 @@ VOTERS = 9
 """Voxels that vote for the material of a place."""
 TURNED = 6.0
 """Voxels that a voxel counts as farther for each unit that its normal differs."""
+FILLED_BEYOND = 3.5
+"""A place whose nearest voxel is farther than so many voxels, so counted, was filled in."""
+LEVEL = 0.8
+"""Cosine between a normal and up from which a place or a voxel lies level, as a table does."""
+OVERHANG = 15.0
+"""A voxel overhangs what was filled in within so many voxels, beside it and below."""
+ABOVE = 8
+"""Voxels that are asked whether they lie above a place."""
 SURPLUS = 1.2
 """So many faces less for each that cuts add too much; the larger faces get cuts, too."""
 UNKNOWN = np.float32(-1.0)
@@ -116,7 +124,7 @@ def mesh_asset(
         AssetMaterial.of(one.estimate, f"{stem}_{one.id}", one.id) for one in found.materials
     )
     index_of = {one.id: index for index, one in enumerate(found.materials)}
-    voxels = _Voxels(found, index_of, voxel_size)
+    voxels = _Voxels(found, index_of, voxel_size, np.asarray(settings.up, np.float64))
     mesh, labels = _seamed(mesh, voxels, settings.faces)
     size = settings.texture_size or _texture_size(mesh, voxel_size)
     atlas = unwrapped(mesh, labels, size)
@@ -145,12 +153,18 @@ def _light(found: MaterialMap, up: tuple[float, float, float]) -> EnvironmentMap
 class _Voxels:
     """The voxels of the map's materials, to look up by position."""
 
-    def __init__(self, found: MaterialMap, index_of: dict[int, int], voxel_size: float) -> None:
+    def __init__(
+        self,
+        found: MaterialMap,
+        index_of: dict[int, int],
+        voxel_size: float,
+        up: NDArray[np.float64],
+    ) -> None:
         ids = found.material_ids
         labels = np.array([index_of.get(int(one), -1) for one in ids], np.int32)
         is_used = labels >= 0
         self.labels = labels[is_used]
-        self.voxel_size = voxel_size
+        self.voxel_size, self.up = voxel_size, up / np.linalg.norm(up)
         self.positions = found.surface.positions[is_used]
         self.normals = found.surface.normals[is_used]
         self.rho_d, self.rho_d_stddev = found.rho_d[is_used], found.rho_d_stddev[is_used]
@@ -166,15 +180,40 @@ class _Voxels:
         """(P,) index of the material that most of the nearest voxels have.
 
         Voxels that face elsewhere count as farther: where an object stands on a table the seam
-        follows the edge between both.
+        follows the edge between both. What was filled in below an overhang is the object's.
         """
         lengths = np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
         facing = TURNED * self.voxel_size * normals / lengths
         count = min(VOTERS, len(self.labels))
-        _, near = self._facing_tree.query(np.hstack([places, facing]), k=count)
-        labels = self.labels[near.reshape(-1, count)]
+        distances, near = self._facing_tree.query(np.hstack([places, facing]), k=count)
+        distances, near = distances.reshape(-1, count), near.reshape(-1, count)
+        labels = self.labels[near]
         votes = (labels[:, :, None] == labels[:, None, :]).sum(axis=2)
-        return np.take_along_axis(labels, votes.argmax(axis=1)[:, None], axis=1)[:, 0]
+        found = np.take_along_axis(labels, votes.argmax(axis=1)[:, None], axis=1)[:, 0]
+        is_filled = distances[:, 0] > FILLED_BEYOND * self.voxel_size
+        is_filled &= normals @ self.up < LEVEL * lengths[:, 0]
+        above = self._overhang_of(places[is_filled])
+        found[is_filled] = np.where(above >= 0, self.labels[above], found[is_filled])
+        return found
+
+    @cached_property
+    def _overhangs(self) -> tuple[NDArray[np.intp], cKDTree]:
+        rows = np.flatnonzero(self.normals @ self.up < LEVEL)
+        return rows, cKDTree(self.positions[rows])
+
+    def _overhang_of(self, places: NDArray[np.float64]) -> NDArray[np.intp]:
+        """(P,) the nearest voxel that does not lie level and is higher; -1 where there is none."""
+        rows, tree = self._overhangs
+        ranks = np.arange(1, min(ABOVE, len(rows)) + 1)
+        if not len(ranks):
+            return np.full(len(places), -1, np.intp)
+        farthest = OVERHANG * self.voxel_size
+        _, near = tree.query(places, k=ranks, distance_upper_bound=farthest)
+        rows = np.append(rows, -1)[near]  # the tree gives len(rows) for none
+        heights = np.where(rows >= 0, (self.positions @ self.up)[rows], -np.inf)
+        is_above = heights > (places @ self.up)[:, None]
+        first = np.take_along_axis(rows, is_above.argmax(axis=1)[:, None], axis=1)[:, 0]
+        return np.where(is_above.any(axis=1), first, -1)
 
 
 def _seamed(

@@ -72,15 +72,18 @@ def _environment(asset: Asset, file_name: str) -> dict[str, bytes]:
 
 
 def _scene(asset: Asset) -> Any:
+    """The parts; the texture goes with the first, for trimesh encodes it for each that has it."""
     trimesh = library("trimesh")
     scene = trimesh.Scene()
-    for name, part in trimesh_parts(asset).items():
+    for number, (name, part) in enumerate(trimesh_parts(asset).items()):
         part.apply_transform(Y_UP)
         part.vertex_attributes = {
             f"_{key.upper()}": values for key, values in part.vertex_attributes.items()
         }
         if asset.base_colour is None:
             part.visual.uv = None
+        elif number:
+            part.visual.material.baseColorTexture = None
         scene.add_geometry(part, node_name=name, geom_name=name)
     return scene
 
@@ -99,6 +102,8 @@ def _completed(asset: Asset, light: Iterable[str]) -> Callable[[dict[str, Any]],
                 # trimesh has eight bits for it.
                 factor = [*microfacet.base_colour, 1.0]
                 written["pbrMetallicRoughness"]["baseColorFactor"] = factor
+            else:
+                written["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
             written["extensions"] = {
                 "KHR_materials_specular": {
                     "specularFactor": microfacet.f0,

@@ -82,6 +82,20 @@ def test_a_scan_is_one_mesh_with_a_primitive_for_each_material(ball, tmp_path):
     assert "rho_s_stddev" not in extras
 
 
+@pytest.mark.parametrize("name", ["ball.gltf", "ball.glb"])
+def test_all_materials_share_one_picture(ball, name, tmp_path):
+    path = tmp_path / name
+    export_asset(ball, path)
+    if path.suffix == ".gltf":
+        document = json.loads(path.read_text())
+    else:
+        content = path.read_bytes()
+        document = json.loads(content[20 : 20 + int.from_bytes(content[12:16], "little")])
+    assert (len(document["images"]), len(document["textures"])) == (1, 1)
+    pbr = [one["pbrMetallicRoughness"] for one in document["materials"]]
+    assert [one["baseColorTexture"] for one in pbr] == [{"index": 0}, {"index": 0}]
+
+
 def test_the_scan_stands_upright_in_metres_with_its_texture(ball, tmp_path):
     path = tmp_path / "ball.glb"
     export_asset(ball, path)
