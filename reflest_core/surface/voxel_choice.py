@@ -16,8 +16,10 @@ MIN_OBSERVATIONS = 5
 
 MOST_CANDIDATES = 2048
 """Voxels that are clustered; a larger surface is thinned, so that the choice costs no more."""
-LANES = 64
-"""Maxima that are taken beside one another, by vector instructions."""
+STRETCH = 32
+"""Points in a row that are compared with a new centre together: neighbours, for the most part."""
+SURELY = 1.0 - 1e-9
+"""Against the rounding of squared distances."""
 
 
 def choose_voxels(surface: ObservedSurface, count: int) -> NDArray[np.int64]:
@@ -54,45 +56,65 @@ def choose_voxels(surface: ObservedSurface, count: int) -> NDArray[np.int64]:
 def _k_centre_clusters(points: NDArray[np.float64], count: int) -> NDArray[np.int32]:
     """Cluster (P,) of each of the ``points`` (6, P): each centre is farthest from those before it.
 
-    The first centre is the point farthest from the mean.
+    The first centre is the point farthest from the mean. Stretches of points that are all nearer to
+    their own centres than to the box around the stretch are left as they are.
     """
-    clusters = np.zeros(points.shape[1], np.int32)
-    nearest = np.full(points.shape[1], np.inf)
-    squared, lanes = np.empty(points.shape[1]), np.empty(LANES)
+    total = points.shape[1]
+    clusters = np.zeros(total, np.int32)
+    nearest = np.full(total, np.inf)
+    stretches = (total + STRETCH - 1) // STRETCH
+    boxes, farthest = _boxes(points, stretches), np.full(stretches, np.inf)
+    squared, c = np.empty(STRETCH), np.empty(len(points))
     centre = int(np.argmax((points * points).sum(axis=0)))
     for cluster in range(count):
-        c = points[:, centre].copy()
-        for p in range(len(squared)):
-            squared[p] = (
-                (points[0, p] - c[0]) ** 2
-                + (points[1, p] - c[1]) ** 2
-                + (points[2, p] - c[2]) ** 2
-                + (points[3, p] - c[3]) ** 2
-                + (points[4, p] - c[4]) ** 2
-                + (points[5, p] - c[5]) ** 2
-            )
-        for p in range(len(squared)):
-            is_nearer = squared[p] < nearest[p]
-            nearest[p] = squared[p] if is_nearer else nearest[p]
-            clusters[p] = cluster if is_nearer else clusters[p]
-        centre, farthest = 0, _greatest(nearest, lanes)
-        while nearest[centre] < farthest:
+        for axis in range(len(points)):
+            c[axis] = points[axis, centre]
+        greatest, where = -1.0, 0
+        for n in range(stretches):
+            first, last = n * STRETCH, min((n + 1) * STRETCH, total)
+            if _squared_distance(c, boxes[:, n]) * SURELY < farthest[n]:
+                for p in range(first, last):
+                    squared[p - first] = (
+                        (points[0, p] - c[0]) ** 2
+                        + (points[1, p] - c[1]) ** 2
+                        + (points[2, p] - c[2]) ** 2
+                        + (points[3, p] - c[3]) ** 2
+                        + (points[4, p] - c[4]) ** 2
+                        + (points[5, p] - c[5]) ** 2
+                    )
+                for p in range(first, last):
+                    is_nearer = squared[p - first] < nearest[p]
+                    nearest[p] = squared[p - first] if is_nearer else nearest[p]
+                    clusters[p] = cluster if is_nearer else clusters[p]
+                farthest[n] = 0.0
+                for p in range(first, last):
+                    farthest[n] = max(farthest[n], nearest[p])
+            if farthest[n] > greatest:
+                greatest, where = farthest[n], n
+        centre = where * STRETCH
+        while nearest[centre] < greatest:
             centre += 1
     return clusters
 
 
-@vectorised
-def _greatest(values: NDArray[np.float64], lanes: NDArray[np.float64]) -> float:
-    """The greatest of ``values`` (P,), none negative, by way of those of each of the ``lanes``."""
-    lanes[:] = 0.0
-    for first in range(0, len(values), len(lanes)):
-        part = values[first : first + len(lanes)]
-        for lane in range(len(part)):
-            lanes[lane] = max(lanes[lane], part[lane])
-    greatest = 0.0
-    for lane in range(len(lanes)):
-        greatest = max(greatest, lanes[lane])
-    return greatest
+@compiled
+def _boxes(points: NDArray[np.float64], stretches: int) -> NDArray[np.float64]:
+    """(12, S) least and greatest coordinates, by turns, of each stretch of points (6, P)."""
+    boxes = np.empty((2 * len(points), stretches))
+    for axis in range(len(points)):
+        for n in range(stretches):
+            part = points[axis, n * STRETCH : (n + 1) * STRETCH]
+            boxes[2 * axis, n], boxes[2 * axis + 1, n] = part.min(), part.max()
+    return boxes
+
+
+@compiled
+def _squared_distance(point: NDArray[np.float64], box: NDArray[np.float64]) -> float:
+    squared = 0.0
+    for axis in range(len(point)):
+        outside = max(box[2 * axis] - point[axis], point[axis] - box[2 * axis + 1], 0.0)
+        squared += outside * outside
+    return squared
 
 
 @compiled

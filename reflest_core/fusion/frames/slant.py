@@ -46,10 +46,13 @@ def find_steepness(
     height, width = depth.shape
     for v in range(start, stop):
         above, below = max(v - reach, 0), min(v + reach, height - 1)
-        u = 0
-        while u < width:
+        steepness[v] = np.float32(0.0)
+        gain[v] = 0
+        u, last = _surface_range(surface[v])
+        while u < last:
             # The inner columns at once; at the borders the window is cut off.
-            end = width - reach if u == reach and width > 2 * reach else u + 1
+            is_inner = reach <= u < width - reach
+            first, end = (reach, min(width - reach, last)) if is_inner else (u, u + 1)
             left, right = max(u - reach, 0), min(u + reach, width - 1)
             _fill(
                 depth[v, u:end],
@@ -58,7 +61,8 @@ def find_steepness(
                 depth[above, u:],
                 depth[below, u:],
                 surface[v, u:],
-                u,
+                first,
+                u - first,
                 v,
                 right - left,
                 below - above,
@@ -70,6 +74,17 @@ def find_steepness(
 
 
 @compiled
+def _surface_range(surface: NDArray[np.bool_]) -> tuple[int, int]:
+    """The first pixel of a row on the surface, and the one after the last; the row's end twice."""
+    first, last = 0, len(surface)
+    while first < last and not surface[first]:
+        first += 1
+    while first < last and not surface[last - 1]:
+        last -= 1
+    return first, last
+
+
+@compiled
 def _fill(
     depth: NDArray[np.float32],
     left: NDArray[np.float32],
@@ -78,6 +93,7 @@ def _fill(
     below: NDArray[np.float32],
     surface: NDArray[np.bool_],
     u: int,
+    skipped: int,
     v: int,
     across: int,
     down: int,
@@ -85,7 +101,7 @@ def _fill(
     steepness: NDArray[np.float32],
     gain: NDArray[np.uint8],
 ) -> None:
-    """A piece of row ``v`` from column ``u``; without branches, for vector instructions."""
+    """A piece of row ``v``, ``skipped`` after column ``u``; for vector instructions."""
     zero, half, one = np.float32(0.0), np.float32(0.5), np.float32(1.0)
     full = np.float32(FULL_WEIGHT)
     first, step = np.float32((u - K[0, 2]) / K[0, 0]), np.float32(1.0 / K[0, 0])
@@ -93,7 +109,7 @@ def _fill(
     along_u, along_v = np.float32(K[0, 0] / across), np.float32(K[1, 1] / down)
     for n in range(len(depth)):
         is_on = surface[n]
-        a = first + np.float32(np.int32(n)) * step
+        a = first + np.float32(np.int32(n + skipped)) * step
         inverse = one / (depth[n] if is_on else one)
         p = along_u * (right[n] - left[n]) * inverse
         q = along_v * (below[n] - above[n]) * inverse

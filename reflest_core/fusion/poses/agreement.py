@@ -161,7 +161,7 @@ def depth_tolerance(depth: float) -> float:
     Returns:
         Metres.
     """
-    growth = depth**GROWTH if depth > 1.0 else 1.0
+    growth = depth * math.sqrt(depth) if depth > 1.0 else 1.0  # to the power GROWTH, but faster
     return float(min(TOLERANCE * growth, RELATIVE_TOLERANCE * depth))
 
 
@@ -173,15 +173,18 @@ def _sampled(
     fx, fy, cx, cy = pinhole
     height, width = depth.shape
     rays = np.empty(((height // of_rows + 1) * (width // of_columns + 1), 3))
+    valid = np.empty(width // of_columns + 1, np.int64)
     count = 0
     for row in range(of_rows // 2, height, of_rows):
-        for column in range(of_columns // 2, width, of_columns):
-            z = depth[row, column]
-            if 0.0 < z < math.inf:
-                rays[count, 0] = (column - cx) / fx
-                rays[count, 1] = (row - cy) / fy
-                rays[count, 2] = z
-                count += 1
+        found = 0
+        for column in range(of_columns // 2, width, of_columns):  # without a branch to mispredict
+            valid[found] = column
+            found += (depth[row, column] > 0.0) & (depth[row, column] < math.inf)
+        for column in valid[:found]:
+            rays[count, 0] = (column - cx) / fx
+            rays[count, 1] = (row - cy) / fy
+            rays[count, 2] = depth[row, column]
+            count += 1
     return rays[:count].copy()
 
 

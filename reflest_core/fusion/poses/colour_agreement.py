@@ -115,18 +115,37 @@ def grey_blocks(rgb: NDArray[np.uint8], size: int) -> NDArray[np.float32]:
     grey = np.empty((height, width), np.float32)
     values = rgb.reshape(len(rgb), -1)
     sums = np.empty(values.shape[1], np.int32)
+    of_pixels, of_blocks = np.empty(rgb.shape[1], np.int32), np.empty(width, np.int32)
     for row in range(height):
-        for place in range(len(sums)):
-            sums[place] = values[row * size, place]
+        _widen(values[row * size], sums)
         for y in range(row * size + step, (row + 1) * size, step):
-            for place in range(len(sums)):
-                sums[place] += values[y, place]
+            _add(values[y], sums)
+        _add_channels(sums, of_pixels)
+        of_blocks[:] = 0
+        for first in range(0, size, step):
+            for column in range(width):
+                of_blocks[column] += of_pixels[column * size + first]
         for column in range(width):
-            total = 0
-            for x in range(3 * column * size, 3 * (column + 1) * size, 3 * step):
-                total += sums[x] + sums[x + 1] + sums[x + 2]
-            grey[row, column] = total / each
+            grey[row, column] = of_blocks[column] / each
     return grey
+
+
+@compiled
+def _widen(values: NDArray[np.uint8], sums: NDArray[np.int32]) -> None:
+    for n in range(len(sums)):
+        sums[n] = values[n]
+
+
+@compiled
+def _add(values: NDArray[np.uint8], sums: NDArray[np.int32]) -> None:
+    for n in range(len(sums)):
+        sums[n] += np.int32(values[n])
+
+
+@compiled
+def _add_channels(sums: NDArray[np.int32], of_pixels: NDArray[np.int32]) -> None:
+    for n in range(len(of_pixels)):
+        of_pixels[n] = sums[3 * n] + sums[3 * n + 1] + sums[3 * n + 2]
 
 
 @compiled

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from reflest_core.capture.frame import Frame
+from reflest_core.fusion.poses.edge_correlation import correlations, zoomed
 from reflest_core.fusion.poses.edge_maps import EdgeMaps, unit
 from reflest_core.fusion.poses.stepwise import StepwiseWork
 
@@ -47,7 +48,7 @@ FURTHEST = 8
 """Frames by which colours may lag."""
 STEPS_OF_FRAME = 2
 """Steps of a judgement that are done at each frame, of 1 ms each."""
-ROWS = 8
+ROWS = 24
 """Frames that are compared with all others in one step."""
 NEAR = 3
 """Frames apart by less than this, which may show the same, do not show that the order is wrong."""
@@ -164,9 +165,9 @@ class RegistrationCheck:
         known = burst.is_known[:count].copy()
         colour, depth = burst.colour[:count], burst.depth[:count]
         table = np.empty((count, count), np.float32)
-        for first in range(0, count, ROWS):  # a matrix product would wake BLAS' threads
+        for first in range(0, count, ROWS):
             rows = slice(first, first + ROWS)
-            table[rows] = np.einsum("ikl,jkl->ij", depth[rows], colour)
+            table[rows] = correlations(depth[rows], colour)
             yield
         given = table.diagonal()[known]
         self.fit = float(given.mean())
@@ -320,9 +321,9 @@ def _moved(
         middle.append((_fit_zoomed(colour, depth, zoom), zoom))
         yield
     for zoom in (*ZOOMS, max(middle)[1]):
-        zoomed = np.stack([unit(_zoomed(image, zoom)) for image in colour])
+        tried = np.stack([unit(image) for image in zoomed(colour, zoom)])
         yield
-        fits, _, is_alone = _shifted(zoomed, depth, spectra)
+        fits, _, is_alone = _shifted(tried, depth, spectra)
         yield
         sentence = (
             f"colours seem to be {zoom[0]:.2f} times as wide and {zoom[1]:.2f} times as high as "
@@ -335,8 +336,8 @@ def _moved(
 
 def _fit_zoomed(colour: Image, depth: Image, zoom: tuple[float, float]) -> float:
     """Mean correlation of edges where a zoom about the middle is undone."""
-    pairs = zip(colour, depth, strict=True)
-    return float(np.mean([np.vdot(unit(_zoomed(one, zoom)), other) for one, other in pairs]))
+    pairs = zip(zoomed(colour, zoom), depth, strict=True)
+    return float(np.mean([np.vdot(unit(one), other) for one, other in pairs]))
 
 
 def _shifted(
@@ -365,13 +366,3 @@ def _shifted(
     right, down = int(near[column]), int(near[row])
     back = np.roll(colour, (-down, -right), axis=(1, 2))
     return np.einsum("nij,nij->n", back, depth), (right, down), is_alone
-
-
-def _zoomed(image: Image, zoom: tuple[float, float]) -> Image:
-    """Undo a zoom about the middle: what lies outside is 0."""
-    height, width = image.shape
-    rows = np.round((np.arange(height) - (height - 1) / 2) * zoom[1] + (height - 1) / 2).astype(int)
-    columns = np.round((np.arange(width) - (width - 1) / 2) * zoom[0] + (width - 1) / 2).astype(int)
-    is_inside = ((rows >= 0) & (rows < height))[:, None] & (columns >= 0) & (columns < width)
-    found = image[np.ix_(rows.clip(0, height - 1), columns.clip(0, width - 1))]
-    return np.where(is_inside, found, np.float32(0.0))

@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from reflest_core.surface.coverage import hemisphere_coverage
-from reflest_core.surface.voxel_choice import MIN_OBSERVATIONS, choose_voxels
+from reflest_core.surface.voxel_choice import (
+    MIN_OBSERVATIONS,
+    STRETCH,
+    _k_centre_clusters,
+    choose_voxels,
+)
 from test.core.surfaces import sphere_surface, without_observations
 
 
@@ -21,6 +26,22 @@ def test_the_chosen_spread_over_the_sphere_better_than_chance():
     rng = np.random.default_rng(0)
     by_chance = [farthest_from(rng.choice(2000, 25, replace=False)) for _ in range(50)]
     assert farthest_from(chosen) > max(by_chance)
+
+
+@pytest.mark.parametrize("points", [3, STRETCH, 5 * STRETCH + 7])
+def test_clusters_are_those_of_comparing_every_point_with_every_centre(points):
+    rng = np.random.default_rng(points)
+    places = np.sort(rng.normal(size=(6, points)), axis=1)  # stretches in which centres are far
+    places[:, points // 2] = places[:, 0]
+    count = max(points // 4, 1)
+    nearest, clusters = np.full(points, np.inf), np.zeros(points, int)
+    centre = (places**2).sum(axis=0).argmax()
+    for cluster in range(count):
+        squared = ((places - places[:, centre : centre + 1]) ** 2).sum(axis=0)
+        clusters[squared < nearest] = cluster
+        nearest = np.minimum(nearest, squared)
+        centre = nearest.argmax()
+    np.testing.assert_array_equal(_k_centre_clusters(places, count), clusters)
 
 
 def test_both_sides_of_a_thin_sheet_are_chosen():
