@@ -42,7 +42,7 @@ test: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
 stress: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
 	REFLEST_STRESS=1 $(BIN)/python -m pytest --timeout 7200 test/ros/load/test_random_use.py \
 		test/ros/load/test_hostile_requests.py test/ros/load/test_flat_memory.py test/ros/load/test_soak.py \
-		test/core/fusion/test_hostile_scans.py $(PYTEST_ARGS)
+		test/core/fusion/test_hostile_scans.py test/core/test_fuzzed_bytes.py $(PYTEST_ARGS)
 
 bench: $(VENV)/test.stamp $(VENV)/interfaces.stamp $(VENV)/kernels.stamp
 	$(BIN)/python -m benchmarks $(BENCH_ARGS)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Iterator
@@ -21,6 +22,16 @@ from numpy.typing import NDArray
 MOST_BYTES = 1 << 30
 """Of one array."""
 MOST_MEMBERS = 100_000
+DAMAGE = (
+    zipfile.BadZipFile,
+    zlib.error,
+    EOFError,
+    RuntimeError,  # encrypted; NotImplementedError and RecursionError too
+    SyntaxError,
+    tokenize.TokenError,
+    MemoryError,
+)
+"""What zipfile and NumPy raise at damaged files, beside ValueError and KeyError."""
 
 
 def array_names(path: Path) -> list[str]:
@@ -96,10 +107,10 @@ def _read(file: IO[bytes]) -> NDArray[Any]:
 
 @contextlib.contextmanager
 def _damage_as_value_error() -> Iterator[None]:
-    """What zipfile and NumPy raise at damaged files, as one error."""
+    """Raise any of :data:`DAMAGE`, and what is missing, as a ValueError."""
     try:
         yield
-    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, SyntaxError, MemoryError) as e:
-        raise ValueError(f"{e!s:.200}" or "it is damaged") from e
+    except DAMAGE as error:
+        raise ValueError(f"{error!s:.200}" or "it is damaged") from error
     except KeyError as error:
         raise ValueError(f"it has no array {error!s:.80}") from error

@@ -9,7 +9,6 @@ import math
 import os
 import stat
 import zipfile
-import zlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reflest_core.array_file import DAMAGE
 from reflest_core.errors import ReflestError
 from reflest_core.light.light_map import LightMap
 from reflest_core.whole_file import whole_file
@@ -102,18 +102,13 @@ def read_scan(
     except PermissionError as error:
         raise ScanFileError(f"cannot read the scan file {path}: {error.strerror}") from None
     except (
+        *DAMAGE,
         OSError,
-        EOFError,
-        zipfile.BadZipFile,
-        zlib.error,
         ValueError,
         KeyError,
         TypeError,
         AttributeError,
-        RuntimeError,  # encrypted; NotImplementedError and RecursionError too
         OverflowError,
-        SyntaxError,
-        MemoryError,
     ) as error:
         raise damaged(path, error) from None
 

@@ -72,6 +72,7 @@ CONTENTS = {
     "objects": declared("(1,)", "|O", pickle.dumps([Harmful()])),
     "a pickle": pickle.dumps(Harmful()),
     "a header that is code": b"\x93NUMPY\x01\x00\x0a\x00__import__",
+    "a header that ends in a bracket": declared("(\n("),
     "nothing": b"",
 }
 

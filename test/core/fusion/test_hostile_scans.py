@@ -181,9 +181,10 @@ def npy(shape, content=b"", descr="'<f8'"):
         npy((1,), b"cos\nsystem\n(S'false'\ntR.", "'|O'"),
         npy((1,), descr="(" * 3000 + ")" * 3000),
         npy((1,), descr="__import__('os')"),
+        npy((1,), descr="(\n("),
         b"",
     ],
-    ids=range(7),
+    ids=range(8),
 )
 def test_an_array_that_declares_what_it_does_not_hold_is_refused(stored, tmp_path, member):
     path = write(tmp_path / "a.scan", stored)
