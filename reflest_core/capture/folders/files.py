@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from reflest_core.array_file import read_array
 from reflest_core.capture.formats.bag_file import pointer_sentence
-from reflest_core.capture.images.compressed_header import read_header
+from reflest_core.capture.images.compressed_header import MOST_PIXELS, read_header
 from reflest_core.capture.messages import (
     AnyImage,
     CameraInfoMessage,
@@ -288,7 +288,10 @@ def _read_bytes(path: Path) -> bytes:
 
 
 def _unpacked(data: bytes, flags: int) -> NDArray[np.generic] | None:
-    """Return an image's pixels, None where OpenCV reads none (or refuses its size)."""
+    """Return an image's pixels, None where it is damaged, too large or not for OpenCV."""
+    header = read_header(data)
+    if header and not (header.is_complete and header.width * header.height <= MOST_PIXELS):
+        return None
     try:
         pixels = cv2.imdecode(np.frombuffer(data, np.uint8), flags) if data else None
     except cv2.error:

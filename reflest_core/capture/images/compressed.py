@@ -10,12 +10,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from reflest_core.capture.images.compressed_header import CompressedHeader, read_header
+from reflest_core.capture.images.compressed_header import (
+    MOST_PIXELS,
+    CompressedHeader,
+    read_header,
+)
 from reflest_core.capture.images.rvl import decode_rvl
 from reflest_core.capture.messages import AnyImage, CompressedImageMessage, ImageMessage
 from reflest_core.capture.refusal import FrameRefused, RefusalCause
 
-MOST_PIXELS = 2**26  # a larger one is refused before it is unpacked into memory
 # compressedDepth's ConfigHeader: int32 format, then float32 a and b with depth = a / (value - b).
 DEPTH_HEADER = struct.Struct("<iff")
 RVL_SIZE = struct.Struct("<II")  # columns, rows

@@ -12,7 +12,10 @@ JPEG_MAGIC = b"\xff\xd8\xff"
 JPEG_END = b"\xff\xd9"
 # Start-of-frame markers carry the size; C4, C8 and CC share the range but mean other things.
 START_OF_FRAME = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+MOST_PIXELS = 2**26  # a larger image is refused before it is unpacked into memory
 FRAME_HEADER = 10  # bytes from its marker to the number of channels
+PNG_CHUNK = struct.Struct(">I4s")  # length and type; then come the content and its CRC
+PNG_CRC_BYTES = 4
 PNG_CHANNELS = {0: 1, 2: 3, 3: 3, 4: 2, 6: 4}  # by colour type; a palette unpacks to three
 
 
@@ -26,7 +29,8 @@ class CompressedHeader:
         height: Rows.
         bit_depth: Of each channel.
         channels: When unpacked.
-        is_complete: Whether the end is there.
+        is_complete: Whether the end is there, and all parts are as long as they declare: OpenCV
+            takes memory for what a part declares.
     """
 
     kind: str
@@ -57,7 +61,20 @@ def _read_png(data: bytes) -> CompressedHeader | None:
     channels = PNG_CHANNELS.get(colour_type, 0)
     if bit_depth < 8:  # one to four bits of palette or grey unpack to eight
         bit_depth = 8
-    return CompressedHeader("png", width, height, bit_depth, channels, b"IEND" in data[26:])
+    return CompressedHeader("png", width, height, bit_depth, channels, _has_all_chunks(data))
+
+
+def _has_all_chunks(png: bytes) -> bool:
+    """Whether each chunk to the end lies within the data, and none begins an animation."""
+    position = len(PNG_MAGIC)
+    while position + PNG_CHUNK.size <= len(png):
+        length, kind = PNG_CHUNK.unpack_from(png, position)
+        position += PNG_CHUNK.size + length + PNG_CRC_BYTES
+        if position > len(png) or kind in (b"acTL", b"fcTL"):
+            return False
+        if kind == b"IEND":
+            return True
+    return False
 
 
 def _read_jpeg(data: bytes) -> CompressedHeader | None:

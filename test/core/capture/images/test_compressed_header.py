@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is read of a compressed image without unpacking it, wherever it was cut off."""
 
+import zlib
+
 import cv2
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ import pytest
 from reflest_core.capture.images.compressed_header import read_header
 from reflest_core.capture.images.decode import decode_colour
 from reflest_core.capture.messages import CompressedImageMessage
+from reflest_core.capture.refusal import FrameRefused
 
 HEIGHT, WIDTH = 30, 40
 
@@ -46,3 +49,23 @@ def test_the_end_of_a_thumbnail_is_not_the_images_end():
     with_thumbnail = whole[:2] + thumbnail + whole[2:]
     assert read_header(with_thumbnail).is_complete
     assert not read_header(with_thumbnail[:-20]).is_complete
+
+
+@pytest.mark.parametrize("length", [1_000, 2**31, 2**32 - 1])
+@pytest.mark.parametrize("kind", [b"IDAT", b"IEND"])
+def test_a_part_that_declares_more_than_there_is_is_damage(kind, length):
+    """OpenCV would take 4 GB for 186 bytes."""
+    data = cv2.imencode(".png", np.full((HEIGHT, WIDTH, 3), 90, np.uint8))[1].tobytes()
+    place = data.index(kind) - 4
+    changed = data[:place] + length.to_bytes(4, "big") + data[place + 4 :]
+    assert (read_header(changed).width, read_header(changed).is_complete) == (WIDTH, False)
+    with pytest.raises(FrameRefused, match="damaged"):
+        decode_colour(CompressedImageMessage(0, "camera", "png", changed), "/c")
+
+
+def test_an_animation_is_no_image():
+    data = cv2.imencode(".png", np.full((HEIGHT, WIDTH, 3), 90, np.uint8))[1].tobytes()
+    place = data.index(b"IDAT") - 4
+    control = b"acTL" + (2).to_bytes(4, "big") + bytes(4)
+    chunk = (8).to_bytes(4, "big") + control + zlib.crc32(control).to_bytes(4, "big")
+    assert not read_header(data[:place] + chunk + data[place:]).is_complete
