@@ -3,11 +3,12 @@
 """Felzenszwalb's graph segmentation."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-from reflest_core.segmentation.graph import graph_segments, renumbered
+from reflest_core.segmentation.graph import graph_segments, renumbered, rising
 
 
 def grid_graph(values):
@@ -54,3 +55,12 @@ def test_renumbering_keeps_the_partition_and_has_no_gaps(labels):
     firsts = np.unique(found, return_index=True)[1]
     assert (np.diff(firsts) > 0).all()
     assert found.max() + 1 == len(np.unique(labels))
+
+
+@pytest.mark.parametrize("count", [0, 1, 5000])
+def test_rising_is_a_stable_sort(count):
+    rng = np.random.default_rng(count)
+    weights = (rng.random(count) ** 8).astype(np.float32)
+    weights[::3], weights[1::3] = 0.25, weights[1::3] * np.float32(1e-30)
+    weights[::7], weights[5::7] = 0.0, -0.0
+    np.testing.assert_array_equal(rising(weights), np.argsort(weights, kind="stable"))
