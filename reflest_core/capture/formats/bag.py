@@ -104,8 +104,14 @@ class Bag:
         return [topic for file in self._files for topic in file.topics]
 
     def _candidates(self) -> list[CandidateTopic]:
-        """Every topic once, image topics with the encoding of their first message."""
-        types = {topic.name: topic.message_type for topic in self._all_topics()}
+        """Every topic once, image topics with the encoding of their first message.
+
+        Where a topic's channels have several types, it has the first that is read.
+        """
+        types: dict[str, str] = {}
+        for topic in self._all_topics():
+            if types.get(topic.name) not in READERS:
+                types[topic.name] = topic.message_type
         return [
             CandidateTopic(name, kind, self._encoding(name, kind)) for name, kind in types.items()
         ]

@@ -39,10 +39,16 @@ def read_message(message_type: str, cdr: bytes, topic: str) -> SensorMessage:
         topic: how sentences name the stream.
 
     Raises:
-        FrameRefused: TRUNCATED, where the bytes end early or make no sense.
+        FrameRefused: ENCODING, where the type is none of the six: a topic's channels may have
+            different types. TRUNCATED, where the bytes end early or make no sense.
     """
     from rosbags.serde import SerdeError
 
+    if message_type not in READERS:
+        raise FrameRefused(
+            RefusalCause.ENCODING,
+            f"a message on {topic} is a {message_type[:100]}, which is not read",
+        )
     try:
         message = _typestore().deserialize_cdr(cdr, message_type)
     except (SerdeError, UnicodeDecodeError) as error:

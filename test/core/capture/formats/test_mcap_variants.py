@@ -12,6 +12,7 @@ from mcap.writer import CompressionType, IndexType, Writer
 
 from reflest_core.capture.formats import mcap_records
 from reflest_core.capture.formats.mcap_file import McapFile
+from reflest_core.capture.messages import Role
 from reflest_core.capture.open_capture import open_capture
 from reflest_core.capture.refusal import CaptureError
 from test.core.capture.recording import STORE, TOPICS, _as_ros, recording
@@ -154,6 +155,17 @@ def records_of(data, offset):
 def by_us_unindexed(path):
     file = McapFile(path)
     return list(file.messages([topic.name for topic in file.topics]))
+
+
+@pytest.mark.parametrize("role", [Role.RGB, Role.DEPTH, Role.CAMERA_INFO, Role.POSE])
+def test_another_type_on_a_topic_is_passed_over(tmp_path, role):
+    def text(writer, stamp_ns):
+        schema = writer.register_schema("std_msgs/msg/String", "ros2msg", b"string data")
+        channel = writer.register_channel(TOPICS[role], "cdr", schema)
+        writer.add_message(channel, stamp_ns, b"\0\1\0\0\2\0\0\0x\0", stamp_ns)
+
+    path = write_mcap(tmp_path / "a.mcap", between=text)
+    same_frames(list(open_capture(path)), assemble(recording(COUNT))[0])
 
 
 def test_types_may_be_named_as_in_ros_1_while_messages_are_of_ros_2(tmp_path):
