@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.jit import compiled
+from reflest_core.surface.reserved import reserved
 from reflest_core.surface.voxel_key import COORDINATE_BITS, NO_KEY
 
 BYTES_PER_ROW = 48
@@ -44,8 +45,10 @@ class KeyIndex:
         """
         slots = 1 << max(1, (2 * capacity - 1).bit_length())
         # Written at once, for hashing spreads the first frame's keys over all of their memory.
-        self.keys: NDArray[np.int64] = np.full(slots, NO_KEY, np.int64)
-        self.rows: NDArray[np.int32] = np.full(slots, NO_ROW, np.int32)
+        self.keys: NDArray[np.int64] = reserved(slots, np.int64)
+        self.rows: NDArray[np.int32] = reserved(slots, np.int32)
+        self.keys.fill(NO_KEY)
+        self.rows.fill(NO_ROW)
 
     @property
     def nbytes(self) -> int:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reflest_core.jit import compiled
+from reflest_core.surface.reserved import reserved
 
 CHUNK = 8
 """Observations of a chunk."""
@@ -59,9 +60,9 @@ class ChunkPool:
         """
         self.capacity = capacity
         self.chunks = ObservationChunks(
-            colours=np.zeros((capacity, CHUNK, 3), np.uint8),
-            view_ids=np.zeros((capacity, CHUNK), np.uint16),
-            after=np.zeros(capacity, np.int32),
+            colours=reserved((capacity, CHUNK, 3), np.uint8),
+            view_ids=reserved((capacity, CHUNK), np.uint16),
+            after=reserved(capacity, np.int32),
             state=np.array([NONE, 0, 0, 0], np.int64),
         )
 

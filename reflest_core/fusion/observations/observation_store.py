@@ -23,6 +23,7 @@ from reflest_core.fusion.observations.observation_chunks import CHUNK, ChunkPool
 from reflest_core.fusion.observations.observation_rows import ObservationRows
 from reflest_core.fusion.work_sharing import share_out
 from reflest_core.surface.key_index import BYTES_PER_ROW, KeyIndex, are_unique_keys
+from reflest_core.surface.reserved import reserved
 
 BYTES_PER_VOXEL = BYTES_PER_ROW + 8 + 12 + 12 + 4 + 1 + 2 + 4
 """Without its observations, which take ``BYTES_PER_CHUNK`` for every ``CHUNK`` of them."""
@@ -53,13 +54,13 @@ class ObservationStore:
         self.rows = ObservationRows(
             index_keys=index.keys,
             index_rows=index.rows,
-            keys=np.zeros(capacity, np.int64),
-            positions=np.zeros((capacity, 3), np.float32),
-            normals=np.zeros((capacity, 3), np.float32),
-            last_seen=np.zeros(capacity, np.int32),
-            counts=np.zeros(capacity, np.uint8),
-            pairs=np.zeros((capacity, 2), np.uint8),
-            first_chunks=np.zeros(capacity, np.int32),
+            keys=reserved(capacity, np.int64),
+            positions=reserved((capacity, 3), np.float32),
+            normals=reserved((capacity, 3), np.float32),
+            last_seen=reserved(capacity, np.int32),
+            counts=reserved(capacity, np.uint8),
+            pairs=reserved((capacity, 2), np.uint8),
+            first_chunks=reserved(capacity, np.int32),
         )
 
     @property

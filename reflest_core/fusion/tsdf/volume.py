@@ -24,6 +24,7 @@ from reflest_core.fusion.tsdf.tsdf_blocks import TsdfBlocks, erase_blocks, surfa
 from reflest_core.fusion.work_sharing import share_out
 from reflest_core.jit import kernel_array
 from reflest_core.surface.key_index import BYTES_PER_ROW, KeyIndex, are_unique_keys
+from reflest_core.surface.reserved import reserved
 from reflest_core.surface.voxel_key import BLOCK_EDGE
 
 BYTES_PER_BLOCK = BLOCK_EDGE**3 * (4 + 2 + 1) + 8 + 8 + BYTES_PER_ROW
@@ -79,11 +80,11 @@ class TsdfVolume:
         self.blocks = TsdfBlocks(
             index_keys=index.keys,
             index_rows=index.rows,
-            keys=np.zeros(capacity, np.int64),
-            tsdf=np.zeros(shape, np.float32),
-            weight=np.zeros(shape, np.uint16),
-            on_surface=np.zeros(shape, np.bool_),
-            last_seen=np.zeros(capacity, np.int64),
+            keys=reserved(capacity, np.int64),
+            tsdf=reserved(shape, np.float32),
+            weight=reserved(shape, np.uint16),
+            on_surface=reserved(shape, np.bool_),
+            last_seen=reserved(capacity, np.int64),
         )
 
     @property
